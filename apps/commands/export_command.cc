@@ -49,6 +49,7 @@ namespace {
 
 enum class ExportTarget {
   kDave,
+  kDaveRos2,
   kHoloOcean,
   kStonefish,
   kOceanSim,
@@ -60,7 +61,8 @@ enum class ExportTarget {
   kMp4
 };
 constexpr auto WordsOf(std::type_identity<ExportTarget>) {
-  return Words<ExportTarget, 10>{{{"dave", ExportTarget::kDave},
+  return Words<ExportTarget, 11>{{{"dave", ExportTarget::kDave},
+                                  {"dave-ros2", ExportTarget::kDaveRos2},
                                   {"holoocean", ExportTarget::kHoloOcean},
                                   {"stonefish", ExportTarget::kStonefish},
                                   {"oceansim", ExportTarget::kOceanSim},
@@ -84,7 +86,7 @@ struct ExportOptions {
   std::filesystem::path recording;
   cli::BagArguments bag;
   FrameList frames;             // empty: all
-  std::filesystem::path scene;  // of an MCAP file; empty: that of the recording
+  std::filesystem::path scene;  // of an MCAP file or a world; empty: for MCAP files that of the recording
   cli::SceneFormat scene_format;
   int height_px = 0;          // height of pictures; 0: one pixel per range bin, at most 800
   double frames_per_s = 0.0;  // frame rate of a video; 0: as recorded
@@ -97,8 +99,9 @@ struct SimulatorExport {
   ExportTarget target;
   exporting::ExportedConfig (*write)(const exporting::ExportSource& source, const std::string& name);
 };
-constexpr std::array<SimulatorExport, 5> kSimulators = {
+constexpr std::array<SimulatorExport, 6> kSimulators = {
     {{ExportTarget::kDave, exporting::ExportToDave},
+     {ExportTarget::kDaveRos2, exporting::ExportToDaveRos2},
      {ExportTarget::kHoloOcean, exporting::ExportToHoloOcean},
      {ExportTarget::kStonefish, exporting::ExportToStonefish},
      {ExportTarget::kOceanSim, exporting::ExportToOceanSim},
@@ -109,6 +112,12 @@ const SimulatorExport* SimulatorOf(ExportTarget target) {
     if (simulator.target == target) return &simulator;
   }
   return nullptr;
+}
+
+// True for simulators whose export includes a world.
+bool HasWorld(ExportTarget target) {
+  return target == ExportTarget::kStonefish || target == ExportTarget::kGazebo ||
+         target == ExportTarget::kDaveRos2;
 }
 
 std::string Word(ExportTarget target) {
@@ -135,7 +144,8 @@ void CheckOptions(const ExportOptions& options) {
   const bool draws = options.to == ExportTarget::kPng || options.to == ExportTarget::kMp4 ||
                      options.to == ExportTarget::kMcap;
   if (!draws) refuse(options.height_px != 0, "--height", "mcap, png and mp4");
-  if (options.to != ExportTarget::kMcap) refuse(!options.scene.empty(), "--scene", "mcap");
+  if (options.to != ExportTarget::kMcap && !HasWorld(options.to))
+    refuse(!options.scene.empty(), "--scene", "mcap, stonefish, gazebo and dave-ros2");
   if (options.to != ExportTarget::kPng) refuse(options.common.force, "--force", "png");
   if (options.to != ExportTarget::kMp4) refuse(options.frames_per_s != 0.0, "--fps", "mp4");
   if (options.to == ExportTarget::kMp4 && options.out.extension() != ".mp4") {
@@ -188,12 +198,18 @@ ChosenSource SourceOf(const ExportOptions& options) {
     const auto recording = cli::OpenWithBagOptions(options.recording, options.bag);
     chosen.source.sonar = recording->info().sonar;
     water = recording->info().water;
+    if (HasWorld(options.to) && recording->frame_count() > 0)
+      chosen.source.world_from_sonar = recording->frame_info(0).world_from_sonar;
     chosen.inputs.push_back(options.recording);
   } else {
     workflow::SonarChoice sonar = workflow::ChooseSonar(options.sonar);
     chosen.source.sonar = std::move(sonar.sonar);
     water = sonar.water;
     if (sonar.input) chosen.inputs.push_back(*sonar.input);
+  }
+  if (!options.scene.empty()) {
+    chosen.source.scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
+    chosen.inputs.push_back(options.scene);
   }
   const SonarModel& sonar = chosen.source.sonar;
   const std::string& name = options.recording.empty() ? options.sonar : options.recording.string();
@@ -405,8 +421,11 @@ void SetupExport(CLI::App& app) {
       ->type_name("REC");
   cli::AddBagOptions(*command, options->bag);
   cli::AddFrames(*command, options->frames, "Frames to export");
-  cli::AddSceneOptions(*command, options->scene, options->scene_format,
-                       "Scene to write into an MCAP file (default: that of the recording)", false);
+  cli::AddSceneOptions(
+      *command, options->scene, options->scene_format,
+      "Scene to write into an MCAP file (default: that of the recording) or into the world of a "
+      "simulator",
+      false);
   command
       ->add_option("--height", options->height_px,
                    "Height of pictures, pixels (default: one per range bin, at most 800)")

@@ -26,6 +26,7 @@ namespace {
 constexpr double kLambert = 2.0;
 constexpr double kDefaultReflectivity = 1e-3;  // default of the plugin, for materials not in its table
 constexpr double kAbsorptionDbPerM = 0.0354;   // fixed in the plugin
+constexpr int kRaySkips = 1;                   // uses every row of rays; the plugin's default is 10
 
 // Returns mu of each material. The paper's model has levels of rays, not of areas, so only ratios are known.
 // The strongest is set to the plugin's default.
@@ -102,6 +103,7 @@ ExportedConfig ExportToDave(const ExportSource& source, const std::string& name)
   AddElement(plugin, "soundSpeed", sonar.sound_speed_m_per_s);
   AddElement(plugin, "maxDistance", sonar.axes.range_max_m);
   AddElement(plugin, "sourceLevel", parameters.source_level_db);
+  AddElement(plugin, "raySkips", kRaySkips);
   AddElement(plugin, "constantReflectivity", "false");
   AddElement(plugin, "customSDFTagReflectivity", "true");
   AddElement(plugin, "customSDFTagDatabaseFile", name + table_suffix);
@@ -125,7 +127,9 @@ ExportedConfig ExportToDave(const ExportSource& source, const std::string& name)
       "a beam is as wide as its spacing, {:.4g} degrees, with DAVE's own pattern", fan.spacing_deg());
   account.Approximated("sonar.azimuth_beam_width_deg", "", width);
   account.Approximated("beam.azimuth_", "", width);
-  account.Exported("source_level_db", "plugin/sourceLevel");
+  account.Exported("source_level_db", "plugin/sourceLevel",
+                   "the plugin gives each ray raySkips + 1 = 2 rows of area, 3 dB more than it has, and lets "
+                   "the area grow with range, not its square");
   AccountForMaterials(
       laws, table_suffix.substr(1) + ": {}",
       parameters.model == EchoModel::kPaper

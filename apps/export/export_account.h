@@ -5,6 +5,7 @@
 // recording.json. absorption_db_per_m follows from frequency and water.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -13,6 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/types/parameters.h"
+#include "core/types/pose.h"
+#include "core/types/scene.h"
 #include "core/types/sonar_model.h"
 #include "core/types/words.h"
 
@@ -24,6 +27,9 @@ struct ExportSource {
   SonarModel sonar;
   Water water;
   double absorption_db_per_m = 0.0;  // one way
+  // For simulators that also get a world; absent: none, and a sonar at the origin that looks along Y.
+  std::optional<Scene> scene = std::nullopt;
+  std::optional<Pose> world_from_sonar = std::nullopt;
 };
 
 enum class Expression {

@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <pugixml.hpp>
 
 #include "apps/export/even_fan.h"
 #include "apps/export/export_words.h"
+#include "apps/export/sdf_world.h"
 #include "apps/export/simulator_configs.h"
 #include "apps/export/xml_text.h"
 #include "core/types/units.h"
@@ -81,8 +83,12 @@ ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& nam
   AccountForTheRest("Gazebo", account);
   config.files.push_back(
       {"", XmlText(document, config.schema,
-                   "Geometry alone: Gazebo itself has no imaging sonar. X looks ahead, Y to the left.",
+                   "Geometry alone: Gazebo itself has no imaging sonar. X looks ahead, Y to the left.\n"
+                   "  The world needs the plugin gz-sim-sensors-system: see the world beside this file.",
                    account)});
+  const pugi::xml_node model = document.document_element().child("model");
+  for (ExportedFile& file : SdfWorld(model, source, name, config.schema, {}))
+    config.files.push_back(std::move(file));
   return config;
 }
 

@@ -1,6 +1,8 @@
 // HoloOcean's ImagingSonar: an entry of "sensors" in a scenario. Source: client/src/holoocean/sensors.py (the
 // docstring of ImagingSonar lists all keys) and byu-holoocean.github.io/holoocean-docs,
-// sensors/docs/sensor-config. Intensities there have no unit; we use 1 for the power at full scale.
+// sensors/docs/sensor-config. engine/Source/Holodeck/Sensors/Private/ImagingSonar.cpp reads the keys
+// (github.com/wellscrosby/MRGHoloOcean ba96e3e, a public copy). Intensities there have no unit; we use 1 for
+// the power at full scale.
 #include <fmt/format.h>
 
 #include "apps/export/even_fan.h"
@@ -9,6 +11,11 @@
 #include "data_io/json/json_writer.h"
 
 namespace sonarcal::exporting {
+namespace {
+
+constexpr double kMeanFactor = 0.5;  // HoloOcean multiplies by 0.5 plus normal noise
+
+}  // namespace
 
 ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& name) {
   const ParameterSet& parameters = source.parameters;
@@ -24,7 +31,7 @@ ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& 
                                           {"RangeBins", axes.range_bins},
                                           {"AzimuthBins", fan.beams},
                                           {"AddSigma", RayleighOfFloor(source)},
-                                          {"MultSigma", SpeckleSpread(parameters)},
+                                          {"MultSigma", kMeanFactor * SpeckleSpread(parameters)},
                                           {"MultiPath", has_mirrors},
                                           {"WaterSpeedSound", source.sonar.sound_speed_m_per_s}};
   if (is_paper) configuration["RangeSigma"] = parameters.jitter.sigma_range_m;
@@ -42,7 +49,7 @@ ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& 
   account.Exported("sonar.sound_speed_m_per_s", "WaterSpeedSound");
   AccountForElevation("Elevation", kHardEdge, account);
   account.Approximated("receiver.looks", "MultSigma",
-                       "speckle by a normal factor of the same spread, 1 / sqrt(looks)");
+                       "speckle by a normal factor of the same relative spread, 1 / sqrt(looks)");
   AccountForFloor("AddSigma",
                   "the floor at the far end of the window, relative to full scale, as the mean of a Rayleigh "
                   "law; it does not change with range",

@@ -7,6 +7,7 @@
 // multiplied by 0.5 + normal noise, plus Rayleigh noise that grows with the square of range.
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 
 #include "apps/export/even_fan.h"
@@ -16,6 +17,18 @@
 #include "data_io/json/json_writer.h"
 
 namespace sonarcal::exporting {
+namespace {
+
+// Path of the camera in the stage. USD allows letters, digits and '_', and no digit in front.
+std::string PrimPath(const std::string& name) {
+  std::string path = "/World/sonar_" + name;
+  for (std::size_t i = sizeof("/World/") - 1; i < path.size(); ++i) {
+    if (std::isalnum(static_cast<unsigned char>(path[i])) == 0) path[i] = '_';
+  }
+  return path;
+}
+
+}  // namespace
 
 ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& name) {
   const ParameterSet& parameters = source.parameters;
@@ -25,7 +38,8 @@ ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& n
   constexpr double kMeanFactor = 0.5;
 
   const nlohmann::ordered_json arguments = {{"ImagingSonarSensor",
-                                             {{"name", name},
+                                             {{"prim_path", PrimPath(name)},
+                                              {"name", name},
                                               {"min_range", axes.range_min_m},
                                               {"max_range", axes.range_max_m},
                                               {"range_res", axes.range_bin_m()},

@@ -31,18 +31,22 @@ struct ExportedConfig {
 // its table of reflectivities, which belongs into the folder worlds/ of nps_uw_multibeam_sonar.
 ExportedConfig ExportToDave(const ExportSource& source, const std::string& name);
 
+// Makes a model in SDF 1.9 with the sensor of DAVE for ROS 2 and Gazebo Harmonic, and a world for it.
+ExportedConfig ExportToDaveRos2(const ExportSource& source, const std::string& name);
+
 // Makes an entry of "sensors" of an agent in a scenario, JSON.
 ExportedConfig ExportToHoloOcean(const ExportSource& source, const std::string& name);
 
-// Makes a scenario file (XML) with a sensor of type "fls".
+// Makes a scenario file (XML) that Stonefish loads by itself: environment, materials, a look, a sensor of
+// type "fls" and, with a scene, one static body and one OBJ file per material.
 ExportedConfig ExportToStonefish(const ExportSource& source, const std::string& name);
 
 // Makes keyword arguments of the constructor of ImagingSonarSensor, of sonar_initialize() and
 // make_sonar_data(), and reflectivities for semantic labels, JSON.
 ExportedConfig ExportToOceanSim(const ExportSource& source, const std::string& name);
 
-// Makes a model in SDF 1.9 with a gpu_lidar. Limit: Gazebo itself has no imaging sonar, so only the geometry
-// of the beams is exported.
+// Makes a model in SDF 1.9 with a gpu_lidar, and a world for it. Limit: Gazebo itself has no imaging sonar,
+// so only the geometry of the beams is exported.
 ExportedConfig ExportToGazebo(const ExportSource& source, const std::string& name);
 
 }  // namespace sonarcal::exporting

@@ -7,18 +7,14 @@
 #include <pugixml.hpp>
 
 namespace sonarcal::exporting {
-namespace {
-
-// Replaces two dashes, which end a comment in XML; names of materials may have them.
-std::string WithoutDoubleDashes(std::string text) {
+// Names of materials may have two dashes.
+std::string XmlComment(std::string text) {
   for (std::size_t at = text.find("--"); at != std::string::npos; at = text.find("--", at + 1)) {
     text[at + 1] = '_';
   }
   if (text.ends_with('-')) text.back() = '_';
   return text;
 }
-
-}  // namespace
 
 void AddElement(pugi::xml_node parent, const char* name, const std::string& value) {
   parent.append_child(name).text().set(value.c_str());
@@ -48,7 +44,7 @@ std::string XmlText(pugi::xml_document& document, const std::string& schema, con
   if (!remarks.empty()) comment += fmt::format("  {}\n", remarks);
   for (const std::string& sentence : account.Sentences()) comment += fmt::format("  {}.\n", sentence);
   const pugi::xml_node root = document.document_element();
-  document.insert_child_before(pugi::node_comment, root).set_value(WithoutDoubleDashes(comment).c_str());
+  document.insert_child_before(pugi::node_comment, root).set_value(XmlComment(comment).c_str());
   pugi::xml_node declaration = document.prepend_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";
   std::ostringstream text;

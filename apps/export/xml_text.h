@@ -28,6 +28,9 @@ struct SdfSensor {
 // Returns the empty element of the sensor.
 pugi::xml_node AddSdfSensor(pugi::xml_document& document, const SdfSensor& sensor);
 
+// Returns the text of a comment. Two dashes, which end a comment in XML, are replaced.
+std::string XmlComment(std::string text);
+
 // Puts a comment before the root: program, `schema`, `remarks`, and the sentences of the account. Returns the
 // document as text.
 std::string XmlText(pugi::xml_document& document, const std::string& schema, const std::string& remarks,

@@ -54,7 +54,7 @@ class ExportCommandTest : public ::testing::Test {
 };
 
 TEST_F(ExportCommandTest, EverySimulatorGetsItsFileAndItsAccount) {
-  for (const char* to : {"dave", "holoocean", "stonefish", "oceansim", "gazebo"}) {
+  for (const char* to : {"dave", "dave-ros2", "holoocean", "stonefish", "oceansim", "gazebo"}) {
     const std::string name = fmt::format("{}.cfg", to);
     const Outcome outcome =
         Export(fmt::format("--to {} --params {} --sonar p900-45{}", to, Quoted(dir_ / "p.json"), Out(name)));
@@ -70,6 +70,24 @@ TEST_F(ExportCommandTest, EverySimulatorGetsItsFileAndItsAccount) {
     EXPECT_EQ(account.at("provenance").at("command"), "export");
   }
   EXPECT_TRUE(std::filesystem::exists(dir_ / "dave_reflectivity.csv"));
+}
+
+TEST_F(ExportCommandTest, AWorldHoldsTheGivenSceneAsOneMeshPerMaterial) {
+  testing::WriteFile(dir_ / "s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl floor\nf 1 2 3\n");
+  const std::string arguments = fmt::format(" --params {} --sonar p900-45 --scene {} --scene-unit m",
+                                            Quoted(dir_ / "p.json"), Quoted(dir_ / "s.obj"));
+  const struct {
+    const char* to;
+    const char* world;
+  } targets[] = {
+      {"stonefish", "stonefish.xml"}, {"gazebo", "gazebo_world.sdf"}, {"dave-ros2", "dave-ros2_world.sdf"}};
+  for (const auto& [to, world] : targets) {
+    const Outcome outcome = Export(fmt::format("--to {}{}{}", to, arguments, Out(fmt::format("{}.xml", to))));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::string mesh = fmt::format("{}_floor.obj", to);
+    EXPECT_THAT(testing::ReadFile(dir_ / world), HasSubstr(mesh));
+    EXPECT_THAT(testing::ReadFile(dir_ / mesh), HasSubstr("f 1//1 2//1 3//1"));
+  }
 }
 
 TEST_F(ExportCommandTest, ARecordingGivesTheSonar) {
@@ -138,9 +156,10 @@ TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
       {"--to npz --sonar p900-45" + recording + Out("x"), 2, "--sonar is given with --to npz"},
       {"--to mcap --sonar p900-45" + recording + Out("x"), 1, "range bins"},
       {"--to npz --scene x.gltf" + recording + Out("x"), 2, "--scene is given with --to npz"},
+      {"--to dave --sonar p900-45 --scene x.gltf" + params + Out("x"), 2, "--scene is given with --to dave"},
       {"--to npz --fps 3" + recording + Out("x"), 2, "--fps is given with --to npz"},
       {"--to mp4" + recording + Out("x.avi"), 2, "ends in .mp4"},
-      {"--to word" + recording + Out("x"), 2, "expected dave|holoocean"},
+      {"--to word" + recording + Out("x"), 2, "expected dave|dave-ros2|holoocean"},
       {"--to dave --sonar nobody" + params + Out("x"), 2, "nobody"},
       {"--to npz --recording " + Quoted(dir_ / "absent") + Out("x"), 1, "absent"},
       {"--to npz --frames 2:9" + recording + Out("x"), 1, "frames 2:9"},

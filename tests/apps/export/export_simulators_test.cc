@@ -77,6 +77,30 @@ ExportSource Paper() {
   return source;
 }
 
+// A triangle of the floor and one of the wall.
+Scene TwoMaterials() {
+  Scene scene;
+  scene.vertices_m = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  scene.triangles = {{0, 1, 2}, {0, 2, 3}};
+  scene.triangle_material = {0, 1};
+  scene.material_names = {"floor", "wall"};
+  return scene;
+}
+
+// A transform with attributes xyz and rpy.
+Eigen::Isometry3d TransformOf(const pugi::xml_node& node) {
+  std::istringstream numbers(
+      fmt::format("{} {}", node.attribute("xyz").value(), node.attribute("rpy").value()));
+  Eigen::Vector3d xyz;
+  Eigen::Vector3d rpy;
+  for (double& value : xyz) numbers >> value;
+  for (double& value : rpy) numbers >> value;
+  EXPECT_TRUE(numbers);
+  return Eigen::Translation3d(xyz) * Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX());
+}
+
 struct Simulator {
   const char* name;
   ExportedConfig (*write)(const ExportSource& source, const std::string& name);
@@ -223,7 +247,8 @@ TEST_P(ExportSimulatorTest, UnevenAndTurnedBeamsAreApproximated) {
   source = Acoustic();
   for (double& azimuth_rad : source.sonar.axes.beam_azimuth_rad) azimuth_rad += 10.0 * kDeg;
   const ExportedConfig turned = GetParam().write(source, "sonar");
-  if (std::string(GetParam().name) == "gazebo") return;  // which has angles for both ends
+  // These have angles for both ends.
+  if (std::string(GetParam().name) == "gazebo" || std::string(GetParam().name) == "dave_ros2") return;
   EXPECT_THAT(LineOf(turned, "sonar.beam_azimuth_deg").how, HasSubstr("turn the sensor by 10 degrees"));
 }
 
@@ -236,6 +261,7 @@ TEST_P(ExportSimulatorTest, RefusesASonarWithoutElevation) {
 INSTANTIATE_TEST_SUITE_P(
     Simulators, ExportSimulatorTest,
     ::testing::Values(Simulator{"dave", ExportToDave, testing::DaveSchema, true},
+                      Simulator{"dave_ros2", ExportToDaveRos2, testing::DaveRos2Schema, true},
                       Simulator{"holoocean", ExportToHoloOcean, testing::HoloOceanSchema, false},
                       Simulator{"stonefish", ExportToStonefish, testing::StonefishSchema, true},
                       Simulator{"oceansim", ExportToOceanSim, testing::OceanSimSchema, false},
@@ -258,6 +284,7 @@ TEST(ExportToDaveTest, BinsBeamsAndLevelsAreOurs) {
   EXPECT_NEAR(vertical_deg, 18.0, 0.55);  // whole rows, about half a degree each
   EXPECT_EQ(NumberOf(said, "plugin/sonarFreq"), 900e3);
   EXPECT_EQ(NumberOf(said, "plugin/sourceLevel"), 210.0);
+  EXPECT_EQ(NumberOf(said, "plugin/raySkips"), 1.0);
   EXPECT_EQ(said.find("plugin/customSDFTagDatabaseFile")->second, "p900_reflectivity.csv");
 
   // As the plugin reads its table: three lines skipped, name and value.
@@ -278,6 +305,72 @@ TEST(ExportToDaveTest, BinsBeamsAndLevelsAreOurs) {
   EXPECT_THAT(LineOf(config, "absorption_db_per_m").how, HasSubstr("0.0354 dB/m, ours is 0.31 dB/m"));
 }
 
+// By the formulas of the plugin: an odd number of rays between both angles, whose cones double the vertical
+// field.
+TEST(ExportToDaveRos2Test, RaysCoverOurFieldOfView) {
+  const Said said = WhatIsSaid(ExportToDaveRos2(Acoustic(), "sonar"), true);
+  const std::string ray = "gz:multibeam_sonar/ray/";
+  EXPECT_EQ(NumberOf(said, ray + "scan/horizontal/beams"), 91.0);
+  EXPECT_NEAR(NumberOf(said, ray + "scan/horizontal/max_angle"), 22.25 * kDeg, 1e-12);
+  const double field_rad =
+      NumberOf(said, ray + "scan/vertical/max_angle") - NumberOf(said, ray + "scan/vertical/min_angle");
+  EXPECT_NEAR(2.0 * field_rad, 18.0 * kDeg, 1e-12);
+  EXPECT_EQ(std::fmod(NumberOf(said, ray + "scan/vertical/rays"), 2.0), 1.0);
+  EXPECT_EQ(NumberOf(said, "gz:multibeam_sonar/spec/raySkips"), 1.0);
+  EXPECT_EQ(said.find(ray + "@degrees")->second, "false");
+}
+
+const ExportedFile& WorldOf(const ExportedConfig& config) {
+  for (const ExportedFile& file : config.files) {
+    if (file.suffix == "_world.sdf") return file;
+  }
+  throw std::runtime_error("there is no world");
+}
+
+std::set<std::string> PluginsOf(const pugi::xml_node& world) {
+  std::set<std::string> plugins;
+  for (const pugi::xml_node& plugin : world.children("plugin"))
+    plugins.insert(
+        fmt::format("{} {}", plugin.attribute("filename").value(), plugin.attribute("name").value()));
+  return plugins;
+}
+
+TEST(ExportWorldTest, NamesThePluginsThatTheSensorNeeds) {
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(WorldOf(ExportToGazebo(Acoustic(), "sonar")).text.c_str()));
+  EXPECT_THAT(PluginsOf(document.child("sdf").child("world")),
+              Contains("gz-sim-sensors-system gz::sim::systems::Sensors"));
+  ASSERT_TRUE(document.load_string(WorldOf(ExportToDaveRos2(Acoustic(), "sonar")).text.c_str()));
+  const std::set<std::string> plugins = PluginsOf(document.child("sdf").child("world"));
+  EXPECT_THAT(plugins, Contains("gz-sim-sensors-system gz::sim::systems::Sensors"));
+  EXPECT_THAT(plugins, Contains("multibeam_sonar_system custom::MultibeamSonarSystem"));
+}
+
+// Gazebo's sensors look along X, with Y to the left.
+TEST(ExportWorldTest, TheModelLooksWhereTheSonarLooks) {
+  ExportSource source = Acoustic();
+  source.scene = TwoMaterials();
+  source.world_from_sonar = Pose{RotationFromYawPitchRoll(0.7, -0.3, 0.2), {1.0, -2.0, 0.5}};
+  const ExportedConfig config = ExportToGazebo(source, "sonar");
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(WorldOf(config).text.c_str()));
+  const pugi::xml_node world = document.child("sdf").child("world");
+  const pugi::xml_node model = world.find_child_by_attribute("model", "name", "sonar");
+  std::istringstream numbers(model.child_value("pose"));
+  std::string x, y, z, roll, pitch, yaw;
+  numbers >> x >> y >> z >> roll >> pitch >> yaw;
+  pugi::xml_document holder;
+  pugi::xml_node node = holder.append_child("pose");
+  node.append_attribute("xyz") = fmt::format("{} {} {}", x, y, z).c_str();
+  node.append_attribute("rpy") = fmt::format("{} {} {}", roll, pitch, yaw).c_str();
+  const Eigen::Vector3d point(0.3, 4.0, -1.2);
+  const Eigen::Vector3d theirs = TransformOf(node).inverse() * point;
+  const Eigen::Vector3d ours = source.world_from_sonar->Inverse() * point;
+  EXPECT_NEAR((theirs - Eigen::Vector3d(ours.y(), -ours.x(), ours.z())).norm(), 0.0, 1e-9);
+  EXPECT_EQ(config.files.size(), 4U);  // model, world, two meshes
+  EXPECT_TRUE(world.find_child_by_attribute("model", "name", "scene_wall"));
+}
+
 TEST(ExportToDaveTest, NamesThatItsTableCannotHoldAreRefused) {
   for (const char* name : {"a,b", "roughness"}) {
     ExportSource source = Acoustic();
@@ -293,7 +386,8 @@ TEST(ExportToHoloOceanTest, FieldOfViewBinsAndNoiseEqualOurs) {
   EXPECT_EQ(NumberOf(said, "configuration/Elevation"), 18.0);
   EXPECT_EQ(NumberOf(said, "configuration/AzimuthBins"), 90.0);
   EXPECT_EQ(NumberOf(said, "configuration/RangeBins"), 400.0);
-  EXPECT_EQ(NumberOf(said, "configuration/MultSigma"), 0.5);
+  // The engine multiplies by 0.5 + sigma n: a spread of sigma / 0.5.
+  EXPECT_EQ(NumberOf(said, "configuration/MultSigma") / 0.5, 0.5);
   EXPECT_EQ(said.find("configuration/MultiPath")->second, "true");
   // Both floors at 8.5 m, in dB, over full scale; a Rayleigh law's mean is 1.2533 sigma.
   const double before_db = 70.0 + 0.1 * 8.5 - 1.0 + 20.0 * std::log10(8.5);
@@ -313,7 +407,78 @@ TEST(ExportToStonefishTest, FieldOfViewBinsAndNoiseEqualOurs) {
   EXPECT_EQ(NumberOf(said, "specs/@bins"), 400.0);
   EXPECT_EQ(NumberOf(said, "settings/@range_max"), 8.5);
   EXPECT_EQ(NumberOf(said, "noise/@multiplicative"), 0.5);
-  EXPECT_THAT(config.files.front().text, HasSubstr("wall: 1\n"));  // the strongest
+}
+
+Said ScenarioOf(const ExportedConfig& config, pugi::xml_document& document) {
+  EXPECT_TRUE(document.load_string(config.files.front().text.c_str()));
+  Said said;
+  pugi::xml_node scenario = document.child("scenario");
+  GatherXml(scenario, "", said);
+  return said;
+}
+
+TEST(ExportToStonefishTest, TheScenarioHasAllThatTheParserRefusesToBeWithout) {
+  ExportSource source = Acoustic();
+  source.scene = TwoMaterials();
+  const Schema schema = testing::StonefishScenarioSchema();
+  pugi::xml_document document;
+  const Said said = ScenarioOf(ExportToStonefish(source, "sonar"), document);
+  for (const auto& [path, value] : said) {
+    if (path.starts_with("sensor/")) continue;  // StonefishSchema
+    EXPECT_TRUE(schema.known.contains(path)) << path;
+  }
+  for (const std::string& path : schema.required) EXPECT_TRUE(said.contains(path)) << path;
+}
+
+TEST(ExportToStonefishTest, EveryMaterialLookAndMeshIsThere) {
+  ExportSource source = Acoustic();
+  source.scene = TwoMaterials();
+  const ExportedConfig config = ExportToStonefish(source, "sonar");
+  pugi::xml_document document;
+  ScenarioOf(config, document);
+  const pugi::xml_node scenario = document.child("scenario");
+  std::map<std::string, double> restitutions;
+  for (const pugi::xml_node& material : scenario.child("materials").children())
+    restitutions[material.attribute("name").value()] = material.attribute("restitution").as_double();
+  EXPECT_EQ(restitutions.at("wall"), 1.0);  // the strongest
+  EXPECT_LT(restitutions.at("floor"), 1.0);
+  std::set<std::string> meshes;
+  for (const pugi::xml_node& body : scenario.children("static")) {
+    EXPECT_TRUE(restitutions.contains(body.child("material").attribute("name").value()));
+    EXPECT_STREQ(body.child("look").attribute("name").value(), "plain");
+    meshes.insert(body.child("physical").child("mesh").attribute("filename").value());
+  }
+  ASSERT_EQ(config.files.size(), 3U);
+  for (std::size_t i = 1; i < config.files.size(); ++i)
+    EXPECT_TRUE(meshes.contains("sonar" + config.files[i].suffix));
+}
+
+// Compares the place of a point of the scene for the sonar by our pose and by the transforms of the scenario.
+// Rotations are Rz(yaw) Ry(pitch) Rx(roll); a sonar of Stonefish has X right, Y down, Z ahead.
+TEST(ExportToStonefishTest, TheSonarSeesTheSceneFromOurPose) {
+  for (const double pitch_rad : {0.0, -0.3, 0.5 * std::numbers::pi}) {
+    ExportSource source = Acoustic();
+    source.scene = TwoMaterials();
+    source.world_from_sonar = Pose{RotationFromYawPitchRoll(0.7, pitch_rad, 0.2), {1.0, -2.0, 0.5}};
+    pugi::xml_document document;
+    ScenarioOf(ExportToStonefish(source, "sonar"), document);
+    const pugi::xml_node scenario = document.child("scenario");
+    const Eigen::Isometry3d world_from_body = TransformOf(scenario.child("static").child("world_transform"));
+    const Eigen::Isometry3d world_from_fls = TransformOf(scenario.child("sensor").child("world_transform"));
+    const Eigen::Vector3d point(0.3, 4.0, -1.2);
+    const Eigen::Vector3d theirs = world_from_fls.inverse() * (world_from_body * point);
+    const Eigen::Vector3d ours = source.world_from_sonar->Inverse() * point;
+    EXPECT_NEAR(theirs.x(), ours.x(), 1e-9);
+    EXPECT_NEAR(theirs.y(), -ours.z(), 1e-9);
+    EXPECT_NEAR(theirs.z(), ours.y(), 1e-9);
+  }
+}
+
+TEST(ExportToStonefishTest, AMaterialWithoutParametersIsRefused) {
+  ExportSource source = Acoustic();
+  source.scene = TwoMaterials();
+  source.scene->material_names[0] = "unknown";
+  EXPECT_THROW(ExportToStonefish(source, "sonar"), DataError);
 }
 
 // As its code counts bins: numpy.arange(min_range, max_range, range_res), and exp(-attenuation r) on an
@@ -325,6 +490,8 @@ TEST(ExportToOceanSimTest, FieldOfViewBinsAndAttenuationEqualOurs) {
       (NumberOf(said, "ImagingSonarSensor/max_range") - NumberOf(said, "ImagingSonarSensor/min_range")) /
       NumberOf(said, "ImagingSonarSensor/range_res");
   EXPECT_NEAR(bins, 400.0, 1e-9);
+  const Said odd = WhatIsSaid(ExportToOceanSim(source, "p900-45 b"), false);
+  EXPECT_EQ(odd.find("ImagingSonarSensor/prim_path")->second, "\"/World/sonar_p900_45_b\"");
   EXPECT_NEAR(
       NumberOf(said, "ImagingSonarSensor/hori_fov") / NumberOf(said, "ImagingSonarSensor/angular_res"), 90.0,
       1e-9);

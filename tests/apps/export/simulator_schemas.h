@@ -79,7 +79,8 @@ inline Schema DaveSchema() {
                      "camera/clip/near",
                      "camera/clip/far",
                      "plugin/@name",
-                     "plugin/@filename"};
+                     "plugin/@filename",
+                     "plugin/raySkips"};  // its default of 10 leaves out nine rows of ten
   return schema;
 }
 
@@ -91,14 +92,58 @@ inline Schema HoloOceanSchema() {
   schema.known = {"sensor_type", "sensor_name", "socket",      "location",     "rotation",
                   "Hz",          "lcm_channel", "ros_publish", "configuration"};
   for (const char* option :
-       {"Azimuth",       "Elevation",      "RangeMin",   "RangeMax",        "RangeBins",  "RangeRes",
-        "AzimuthBins",   "AzimuthRes",     "AddSigma",   "AddCov",          "MultSigma",  "MultCov",
-        "MultiPath",     "ClusterSize",    "ScaleNoise", "AzimuthStreaks",  "RangeSigma", "ShowWarning",
-        "ElevationBins", "ElevationRes",   "ViewRegion", "InitOctreeRange", "ViewOctree", "ShadowEpsilon",
-        "WaterDensity",  "WaterSpeedSound"}) {
+       {"Azimuth",       "Elevation",       "RangeMin",   "RangeMax",        "RangeBins",  "RangeRes",
+        "AzimuthBins",   "AzimuthRes",      "AddSigma",   "AddCov",          "MultSigma",  "MultCov",
+        "MultiPath",     "ClusterSize",     "ScaleNoise", "AzimuthStreaks",  "RangeSigma", "ShowWarning",
+        "ElevationBins", "ElevationRes",    "ViewRegion", "InitOctreeRange", "ViewOctree", "ShadowEpsilon",
+        "WaterDensity",  "WaterSpeedSound", "UseApprox"}) {
     schema.known.insert(std::string("configuration/") + option);
   }
   schema.required = {"sensor_type"};
+  return schema;
+}
+
+// github.com/IOES-Lab/dave at d655441,
+// gazebo/dave_gz_multibeam_sonar/multibeam_sonar/MultibeamSonarSensor.cc: every Get and GetElement, and the
+// attributes that it requires.
+inline Schema DaveRos2Schema() {
+  Schema schema;
+  schema.known = {"@name",
+                  "@type",
+                  "@gz:type",
+                  "always_on",
+                  "update_rate",
+                  "visualize",
+                  "topic",
+                  "gz:multibeam_sonar",
+                  "gz:multibeam_sonar/reference_frame",
+                  "gz:multibeam_sonar/ray",
+                  "gz:multibeam_sonar/ray/@degrees",
+                  "gz:multibeam_sonar/ray/scan",
+                  "gz:multibeam_sonar/ray/range",
+                  "gz:multibeam_sonar/ray/range/min",
+                  "gz:multibeam_sonar/ray/range/max",
+                  "gz:multibeam_sonar/spec"};
+  for (const char* axis : {"horizontal", "vertical"}) {
+    const std::string path = std::string("gz:multibeam_sonar/ray/scan/") + axis;
+    schema.known.insert({path, path + "/min_angle", path + "/max_angle"});
+  }
+  schema.known.insert(
+      {"gz:multibeam_sonar/ray/scan/horizontal/beams", "gz:multibeam_sonar/ray/scan/vertical/rays"});
+  for (const char* element :
+       {"verticalFOV", "sonarFreq", "bandwidth", "soundSpeed", "maxDistance", "sourceLevel", "raySkips",
+        "plotScaler", "sensorGain", "debugFlag", "blazingSonarImage", "pointCloudTopicName",
+        "sonarImageRawTopicName", "sonarImageTopicName", "frameName", "writeLog", "writeFrameInterval"}) {
+    schema.known.insert(std::string("gz:multibeam_sonar/spec/") + element);
+  }
+  schema.required = {"@name",
+                     "@type",
+                     "@gz:type",
+                     "gz:multibeam_sonar/ray/scan/horizontal/beams",
+                     "gz:multibeam_sonar/ray/scan/vertical/rays",
+                     "gz:multibeam_sonar/ray/range/min",
+                     "gz:multibeam_sonar/ray/range/max",
+                     "gz:multibeam_sonar/spec/raySkips"};
   return schema;
 }
 
@@ -136,9 +181,56 @@ inline Schema StonefishSchema() {
                        "specs/@vertical_fov", "world_transform/@xyz", "world_transform/@rpy"}};
 }
 
+// The rest of such a scenario: Parse, ParseEnvironment, ParseMaterials, ParseLooks, and ParseStatic for the
+// type "model". Required: elements and attributes without which these functions fail.
+inline Schema StonefishScenarioSchema() {
+  return {.known = {"environment",
+                    "environment/ned",
+                    "environment/ned/@latitude",
+                    "environment/ned/@longitude",
+                    "materials",
+                    "materials/material",
+                    "materials/material/@name",
+                    "materials/material/@density",
+                    "materials/material/@restitution",
+                    "materials/material/@magnetic",
+                    "looks",
+                    "looks/look",
+                    "looks/look/@name",
+                    "looks/look/@gray",
+                    "looks/look/@rgb",
+                    "looks/look/@roughness",
+                    "looks/look/@metalness",
+                    "looks/look/@reflectivity",
+                    "static",
+                    "static/@name",
+                    "static/@type",
+                    "static/physical",
+                    "static/physical/mesh",
+                    "static/physical/mesh/@filename",
+                    "static/physical/mesh/@scale",
+                    "static/physical/mesh/@convex",
+                    "static/physical/origin",
+                    "static/physical/origin/@xyz",
+                    "static/physical/origin/@rpy",
+                    "static/material",
+                    "static/material/@name",
+                    "static/look",
+                    "static/look/@name",
+                    "static/world_transform",
+                    "static/world_transform/@xyz",
+                    "static/world_transform/@rpy",
+                    "sensor"},
+          .required = {"environment/ned/@latitude", "environment/ned/@longitude", "materials/material/@name",
+                       "materials/material/@density", "materials/material/@restitution", "looks/look/@name",
+                       "looks/look/@gray", "looks/look/@roughness", "static/@name", "static/@type",
+                       "static/physical/mesh/@filename", "static/physical/origin/@xyz",
+                       "static/physical/origin/@rpy", "static/material/@name", "static/look/@name",
+                       "static/world_transform/@xyz", "static/world_transform/@rpy", "sensor"}};
+}
+
 // github.com/umfieldrobotics/OceanSim at 2809388, isaacsim/oceansim/sensors/ImagingSonarSensor.py: arguments
-// of
-// __init__, sonar_initialize and make_sonar_data; reflectivity is the type of a semantic label
+// of __init__, sonar_initialize and make_sonar_data; reflectivity is the type of a semantic label
 // (docs/subsections/running_example.md), its members are materials.
 inline Schema OceanSimSchema() {
   Schema schema;
@@ -156,6 +248,7 @@ inline Schema OceanSimSchema() {
                                "intensity_offset", "intensity_gain", "central_peak", "central_std"}) {
     schema.known.insert(std::string("make_sonar_data/") + argument);
   }
+  schema.required = {"ImagingSonarSensor/prim_path"};  // the only argument without a default
   return schema;
 }
 
