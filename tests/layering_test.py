@@ -60,6 +60,7 @@ FOLDERS = [
     "apps/report/pictures",
     "apps/report/sections",
     "apps/export",
+    "apps/cli/documentation",
     "apps/cli",
     "apps/reproduce",
     "apps/batch",
