@@ -201,7 +201,7 @@ void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()>
   command->add_flag("-q,--quiet", common.quiet, "Print nothing but results and errors");
   const auto messages = std::make_shared<MessageOptions>();
   command->add_flag("-v,--verbose", messages->verbose,
-                    "Print also options, files that are read and written, and the time of each phase");
+                    "Print also options, files that are read and written, and times");
   command->add_option("--log", messages->log, "Append all messages, with times, to this file")
       ->type_name("FILE");
   AddOptionsFile(*command);

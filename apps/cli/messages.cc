@@ -1,5 +1,7 @@
 #include "apps/cli/messages.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -19,6 +21,7 @@ namespace {
 struct Destinations {
   std::mutex mutex;
   MessageSettings settings;
+  std::chrono::steady_clock::time_point start;
   std::ofstream log;
 };
 
@@ -61,6 +64,7 @@ void StartMessages(const MessageSettings& settings) {
   Destinations& destinations = Current();
   const std::lock_guard lock(destinations.mutex);
   destinations.settings = settings;
+  destinations.start = std::chrono::steady_clock::now();
   destinations.log.close();
   if (settings.log.empty()) return;
   destinations.log.clear();
@@ -76,7 +80,10 @@ void PrintMessage(MessageKind kind, std::string_view sentence) {
   if (kind == MessageKind::kError) {
     std::cout.flush();  // keeps the order of results and errors on a common terminal
     std::cerr << "sonarcal: " << line << std::endl;
-  } else if (kind == MessageKind::kNote || destinations.settings.verbose) {
+  } else if (destinations.settings.verbose) {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - destinations.start;
+    std::cerr << fmt::format("sonarcal: [{:7.2f} s] {}", elapsed.count(), sentence) << std::endl;
+  } else if (kind == MessageKind::kNote) {
     std::cerr << "sonarcal: " << sentence << std::endl;
   }
   WriteToLog(destinations, kind == MessageKind::kError ? "error: " + line : line);

@@ -5,8 +5,9 @@
 //   note           unless --quiet        yes
 //   detail         with --verbose        yes
 //
-// Each line of the log begins with the local time and is written at once, so an interrupted run leaves a
-// complete log. All functions are thread-safe.
+// With --verbose, notes and details begin with the seconds since the start. Each line of the log begins with
+// the local time and is written at once, so an interrupted run leaves a complete log. All functions are
+// thread-safe.
 #pragma once
 
 #include <filesystem>
