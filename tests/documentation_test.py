@@ -148,7 +148,8 @@ def check_parameters(folder):
 def main():
     """The test."""
     help_text = output_of(SONARCAL, "--help")
-    commands = re.findall(r"^  (\w+) +[A-Z]", help_text.split("Commands:")[1], re.MULTILINE)
+    listed = help_text.split("Start here:")[1].split("Examples")[0]
+    commands = re.findall(r"^  ([\w-]+) +[A-Z]", listed, re.MULTILINE)
     assert len(commands) > 10 and "documentation" not in commands, commands
     check_sonars()
     check_examples()

@@ -14,6 +14,7 @@ import tempfile
 # A folder may include itself and the folders above it, so there is no cycle.
 FOLDERS = [
     "core/types",
+    "core/text",
     "core/math",
     "core/imaging",
     "core/sonars",
@@ -59,6 +60,7 @@ FOLDERS = [
     "apps/report/pictures",
     "apps/report/sections",
     "apps/export",
+    "apps/cli/documentation",
     "apps/cli",
     "apps/reproduce",
     "apps/batch",

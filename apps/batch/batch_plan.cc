@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kFormat = "sonarcal-batch/1";
 constexpr std::array<std::string_view, 4> kCommands = {"simulate", "compare", "fit", "calibrate"};
-constexpr std::array<std::string_view, 5> kOwnOptions = {"out", "resume", "json", "quiet", "help"};
+constexpr std::array<std::string_view, 8> kOwnOptions = {"out",     "resume", "json",    "quiet",
+                                                         "verbose", "log",    "options", "help"};
 constexpr std::size_t kMaxJobs = 100'000;
 
 // An option of an entry, in the order of the plan.

@@ -66,6 +66,9 @@ namespace sonarcal::cli {
 // Converts "region_range" to "--region-range".
 std::string OptionFlag(std::string_view name);
 
+// Returns "'found', expected frustum|beams; did you mean 'beams'?". `expected` may be no list of words.
+std::string UnknownWord(std::string_view found, const std::string& expected);
+
 // Adds one option. `value` holds the default and receives the value.
 template <typename T>
 CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
@@ -79,7 +82,7 @@ CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
       T parsed{};
       if (!OptionText<T>::Parse(results.back(), parsed)) {
         throw CLI::ValidationError(
-            fmt::format("{} '{}', expected {}", flag, results.back(), OptionText<T>::kExpected));
+            fmt::format("{} {}", flag, UnknownWord(results.back(), OptionText<T>::kExpected)));
       }
       if constexpr (std::is_arithmetic_v<T>) {
         const double number = static_cast<double>(parsed);

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/cli/add_options.h"
 #include "core/types/words.h"
 
 namespace sonarcal::cli {
@@ -19,7 +20,7 @@ CLI::Option* AddChoice(CLI::App& command, const std::string& name, const std::st
   const auto read = [name, store](const CLI::results_t& results) {
     const std::optional<E> value = FromWord<E>(results.back());
     if (!value) {
-      throw CLI::ValidationError(name, "'" + results.back() + "', expected " + JoinedWords<E>("|"));
+      throw CLI::ValidationError(name, UnknownWord(results.back(), JoinedWords<E>("|")));
     }
     store(*value);
     return true;

@@ -1,5 +1,9 @@
 #include "apps/cli/command.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -9,24 +13,20 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/documentation/command_options.h"
 #include "apps/cli/help_formatter.h"
 #include "apps/cli/interruption.h"
+#include "apps/cli/messages.h"
+#include "apps/cli/option_groups.h"
+#include "apps/cli/options_file.h"
 #include "apps/cli/run_output.h"
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "core/types/printable.h"
 #include "data_io/json/json_writer.h"
 
 namespace sonarcal::cli {
 namespace {
-
-// Replaces line breaks. A sentence may quote user input, and a line break in it would make two sentences.
-std::string OneLine(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
-}
 
 int Fail(ExitStatus status, std::string_view sentence) {
   PrintError(sentence);
@@ -57,23 +57,44 @@ ChosenCommand Chosen(const CLI::App& root) {
   return chosen;
 }
 
-std::string UsageMistake(const CLI::App& root, const ChosenCommand& chosen, const CLI::ParseError& error) {
-  const std::vector<std::string> unknown = root.remaining();
-  if (chosen.app != &root) return error.what();
-  std::string commands;
-  for (const CLI::App* command : root.get_subcommands({})) {
-    if (command->get_group().empty()) continue;  // hidden
-    commands += (commands.empty() ? "" : ", ") + command->get_name();
+std::vector<std::string> CommandNames(const CLI::App& root) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : DocumentedCommands(root)) names.push_back(command->get_name());
+  return names;
+}
+
+std::string UnknownCommand(const CLI::App& root, const std::string& found) {
+  return fmt::format("unknown command '{}'{}", Printable(found), ExpectedWord(found, CommandNames(root)));
+}
+
+// `found`: "--rays" or "--rays=300x200".
+std::string UnknownOption(const CLI::App& command, const std::string& found) {
+  const std::string name = found.substr(0, found.find('='));
+  std::vector<std::string> names;
+  for (const DocumentedOption& option : DocumentedOptions(command)) {
+    if (!option.is_argument) names.insert(names.end(), option.names.begin(), option.names.end());
   }
-  const std::string expected = commands.empty() ? "" : ", expected one of " + commands;
-  if (unknown.empty()) return "no command given" + expected;
-  const char* what = unknown.front().starts_with('-') ? "option" : "command";
-  return fmt::format("unknown {} '{}'{}", what, Printable(unknown.front()), expected);
+  const std::optional<std::string> nearest = NearestWord(name, names);
+  return fmt::format("unknown option '{}'{}", Printable(name),
+                     nearest ? fmt::format(", did you mean '{}'?", *nearest) : std::string());
+}
+
+std::string UsageMistake(const CLI::App& root, const ChosenCommand& chosen, const CLI::ParseError& error) {
+  const std::vector<std::string> unknown = chosen.app->remaining();
+  // A misspelt option comes before the required option that is missing because of it.
+  for (const std::string& word : unknown) {
+    if (word.size() > 1 && word.starts_with('-')) return UnknownOption(*chosen.app, word);
+  }
+  if (chosen.app != &root) return error.what();
+  if (!unknown.empty()) return UnknownCommand(root, unknown.front());
+  return "no command given" + ExpectedWord("", CommandNames(root));
 }
 
 int ParseFailure(const CLI::App& root, const CLI::ParseError& error) {
   const ChosenCommand chosen = Chosen(root);
   if (dynamic_cast<const CLI::CallForHelp*>(&error) != nullptr) {
+    if (chosen.app == &root && !root.remaining().empty())  // "sonarcal help fti"
+      return Fail(ExitStatus::kUsage, UnknownCommand(root, root.remaining().front()));
     std::cout << chosen.app->help(chosen.parent);
     return static_cast<int>(ExitStatus::kDone);
   }
@@ -85,9 +106,15 @@ int ParseFailure(const CLI::App& root, const CLI::ParseError& error) {
               fmt::format("{} (see '{} --help')", UsageMistake(root, chosen, error), chosen.path()));
 }
 
-int ParseAndRun(CLI::App& app, int argc, const char* const* argv) {
+int ParseAndRun(CLI::App& app, std::vector<std::string> words) {
   try {
-    app.parse(argc, argv);
+    if (!words.empty() && words.front() == "help") {  // "sonarcal help fit" is "sonarcal fit --help"
+      words.erase(words.begin());
+      words.emplace_back("--help");
+    }
+    AddOptionsFromFile(app, words);
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    app.parse(std::move(words));
     return static_cast<int>(ExitStatus::kDone);
   } catch (const CLI::RuntimeError& error) {  // OnRun returns a status in this way
     return error.get_exit_code();
@@ -114,7 +141,56 @@ std::vector<std::string>& MutableCommandLine() {
   return words;
 }
 
+// Options of OnRun beside those of CommonOptions.
+struct MessageOptions {
+  bool verbose = false;
+  std::filesystem::path log;
+};
+
+// Throws UsageError for a log in the output folder, which must be empty before a run.
+void CheckLog(const CLI::App& command, const std::filesystem::path& log) {
+  const CLI::Option* out = command.get_option_no_throw("--out");
+  if (log.empty() || out == nullptr || out->count() == 0) return;
+  const auto whole = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  const std::string relative = whole(log).lexically_relative(whole(out->as<std::string>())).string();
+  if (!relative.starts_with(".."))
+    throw UsageError("--log {} is inside --out, expected a file outside the folder of the outputs",
+                     log.string());
+}
+
+void StartRun(const CLI::App& command, const CommonOptions& common, const MessageOptions& options) {
+  if (options.verbose && common.quiet) throw UsageError("--verbose has no effect with --quiet");
+  CheckLog(command, options.log);
+  StartMessages({.verbose = options.verbose, .log = options.log});
+  PrintDetail(fmt::format("version {}, in {}: {}", SONARCAL_VERSION, std::filesystem::current_path().string(),
+                          fmt::join(CommandLine(), " ")));
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    PrintDetail(fmt::format("{} = {} ({})", option->get_name(), fmt::join(option->results(), " "),
+                            IsFromOptionsFile(*option) ? "options file" : "command line"));
+  }
+}
+
+void EndRun(int status, std::chrono::steady_clock::time_point start) {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
+  PrintDetail(fmt::format("ended with status {} after {:.1f} s, peak memory {} MB", status, duration.count(),
+                          usage.ru_maxrss / 1024));
+}
+
 }  // namespace
+
+void AddCommands(CLI::App& app, const std::string& group, const std::vector<void (*)(CLI::App&)>& setups) {
+  const std::size_t earlier = app.get_subcommands({}).size();
+  for (const auto setup : setups) setup(app);
+  const std::vector<CLI::App*> commands = app.get_subcommands({});
+  for (std::size_t i = earlier; i < commands.size(); ++i) {
+    if (!commands[i]->get_group().empty()) commands[i]->group(group);
+  }
+}
 
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description) {
   return app.add_subcommand(name, description)->group("Commands");
@@ -123,7 +199,15 @@ CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& 
 void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()> run) {
   command->add_flag("--json", common.json, "Print the results as JSON");
   command->add_flag("-q,--quiet", common.quiet, "Print nothing but results and errors");
-  command->final_callback([run = std::move(run)] {
+  const auto messages = std::make_shared<MessageOptions>();
+  command->add_flag("-v,--verbose", messages->verbose,
+                    "Print also options, files that are read and written, and times");
+  command->add_option("--log", messages->log, "Append all messages, with times, to this file")
+      ->type_name("FILE");
+  AddOptionsFile(*command);
+  GroupOptions(*command);
+  command->final_callback([command, &common, messages, run = std::move(run)] {
+    StartRun(*command, common, *messages);
     const ExitStatus status = run();
     if (status != ExitStatus::kDone) throw CLI::RuntimeError(static_cast<int>(status));
   });
@@ -142,8 +226,10 @@ int RunApp(CLI::App& app, int argc, const char* const* argv) {
   HandleSignals();
   std::set_terminate(Terminate);
   MutableCommandLine().assign(argv, argv + argc);
-  const int status = ParseAndRun(app, argc, argv);
+  const auto start = std::chrono::steady_clock::now();
+  const int status = ParseAndRun(app, {argv + std::min(argc, 1), argv + argc});
   std::cout.flush();
+  EndRun(status, start);
   if (!std::cout && status == static_cast<int>(ExitStatus::kDone)) {
     return Fail(ExitStatus::kFailed, "cannot write the results to standard output: is the disk full?");
   }
@@ -155,12 +241,12 @@ const std::vector<std::string>& CommandLine() {
 }
 
 void PrintNote(const CommonOptions& common, std::string_view sentence) {
-  if (!common.quiet) std::cerr << "sonarcal: " << sentence << std::endl;
+  if (common.quiet) return LogLine(sentence);
+  PrintMessage(MessageKind::kNote, sentence);
 }
 
 void PrintError(std::string_view sentence) {
-  std::cout.flush();  // keeps the order of results and errors on a common terminal
-  std::cerr << "sonarcal: " << OneLine(std::string(sentence)) << std::endl;
+  PrintMessage(MessageKind::kError, sentence);
 }
 
 void PrintResult(std::string_view text) {

@@ -8,8 +8,8 @@
 //     OnRun(command, options->common, [options] { return RunInspect(*options); });
 //   }
 //
-// To add a command: write its file, declare its Setup in apps/commands/commands.h, call it in
-// apps/commands/sonarcal.cc.
+// To add a command: write its file, declare its Setup in apps/commands/commands.h, name it in
+// apps/commands/sonarcal.cc, and give it an example in apps/commands/examples.cc.
 //
 // Results go to stdout, everything else to stderr. A failure prints one sentence on stderr, "sonarcal: ...".
 #pragma once
@@ -43,10 +43,14 @@ struct CommonOptions {
   bool force = false;  // for commands with --out DIR (apps/cli/run_output.h): writes into any folder
 };
 
+// Calls Setup functions. --help lists their commands under the heading `group`.
+void AddCommands(CLI::App& app, const std::string& group, const std::vector<void (*)(CLI::App&)>& setups);
+
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description);
 
-// Ends a command's Setup: adds the common options and sets the function that runs the command. Its exit
-// status becomes that of the program. `common` belongs to the options struct that `run` holds.
+// Ends a command's Setup: adds the common options, also --verbose and --log (apps/cli/messages.h) and
+// --options (apps/cli/options_file.h), groups all options, and sets the function that runs the command. Its
+// exit status becomes that of the program. `common` belongs to the options struct that `run` holds.
 void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()> run);
 
 // Prepares the root of the command line for Setup functions: version, help layout, "one command is required".
@@ -62,7 +66,7 @@ int RunApp(CLI::App& app, int argc, const char* const* argv);
 // Returns the words of the command line of RunApp, for provenance.
 const std::vector<std::string>& CommandLine();
 
-// Prints a message on stderr, unless --quiet.
+// Prints a message on stderr, unless --quiet. It goes to the log in any case.
 void PrintNote(const CommonOptions& common, std::string_view sentence);
 
 // Prints a failure that does not end the command, such as one bad file of several. Ignores --quiet.

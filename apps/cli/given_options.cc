@@ -36,7 +36,8 @@ void RefuseGiven(const CLI::App& command, const OptionNames& names, std::string_
 }
 
 void RefuseGivenExcept(const CLI::App& command, const OptionNames& names, std::string_view why) {
-  static const OptionNames kOfEveryCommand = {"--json", "--quiet", "--force", "--help"};
+  static const OptionNames kOfEveryCommand = {"--json",    "--quiet", "--verbose", "--log",
+                                              "--options", "--force", "--help"};
   RefuseWhere(command, why, [&](const CLI::Option& option) {
     return !Holds(names, option) && !Holds(kOfEveryCommand, option);
   });

@@ -19,7 +19,7 @@ bool IsGiven(const CLI::App& command, std::string_view name);
 // Throws UsageError "--rays has no effect WHY" for the first of these options that the user gave.
 void RefuseGiven(const CLI::App& command, const OptionNames& names, std::string_view why);
 
-// Refuses every option that the user gave except these, --json, --quiet, --force and --help.
+// Refuses every option that the user gave except these, --force and those of every command.
 void RefuseGivenExcept(const CLI::App& command, const OptionNames& names, std::string_view why);
 
 // Throws UsageError for settings of other segmentation methods than the chosen one.

@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/cli/option_groups.h"
+
 namespace sonarcal::cli {
 namespace {
 
@@ -63,6 +65,16 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
   const std::size_t column = line.size();
   AppendWrapped(line, description, column);
   return line;
+}
+
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  std::string text = make_description(app) + make_usage(app, std::move(name)) + make_positionals(app);
+  for (const std::string& group : OptionGroups()) {
+    const std::vector<const CLI::Option*> options = app->get_options(
+        [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
+    if (!options.empty()) text += make_group(group, /*is_positional=*/false, options);
+  }
+  return text + make_subcommands(app, mode) + '\n' + make_footer(app);
 }
 
 std::string HelpFormatter::make_usage(const CLI::App* app, std::string name) const {

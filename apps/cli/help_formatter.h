@@ -1,5 +1,5 @@
-// Layout of --help: one line per option, with the name or unit of its value beside it and its default at the
-// end.
+// Layout of --help: options in the groups of apps/cli/option_groups.h, one line per option, with the name or
+// unit of its value beside it and its default at the end.
 #pragma once
 
 #include <string>
@@ -11,6 +11,8 @@ namespace sonarcal::cli {
 class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter();
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
 
  protected:
   std::string make_option(const CLI::Option* option, bool is_positional) const override;

@@ -6,9 +6,11 @@
 #include <csignal>
 #include <ctime>
 #include <iostream>
+#include <string>
 #include <string_view>
 #include <thread>
 
+#include "apps/cli/command.h"
 #include "apps/cli/run_output.h"
 
 namespace sonarcal::cli {
@@ -20,9 +22,9 @@ std::atomic<bool> command_was_asked = false;
 // Ends the program by the signal, as a shell expects it.
 [[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
   const bool is_kept = RemoveUnfinishedOutputs();
-  std::cerr << "\nsonarcal: " << why
-            << (is_kept ? "; the same command with --resume goes on" : ", unfinished outputs were removed")
-            << std::endl;
+  std::cerr << '\n';  // ends the line of a progress bar
+  PrintError(std::string(why) +
+             (is_kept ? "; the same command with --resume goes on" : ", unfinished outputs were removed"));
   std::signal(signal, SIG_DFL);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::raise(signal);
@@ -38,8 +40,8 @@ void WaitForSignals(const sigset_t& signals) {
   constexpr timespec kMoment = {1, 0};
   int again = sigtimedwait(&signals, nullptr, &kMoment);
   if (again < 0) {
-    std::cerr << "\nsonarcal: stopping after the present frame; a second interruption ends at once"
-              << std::endl;
+    std::cerr << '\n';
+    PrintError("stopping after the present frame; a second interruption ends at once");
     if (sigwait(&signals, &again) != 0) return;
   }
   EndBy(again, signals, "interrupted twice: ended at once");

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <iostream>
 
+#include "apps/cli/messages.h"
+
 namespace sonarcal::cli {
 namespace {
 
@@ -25,30 +27,58 @@ std::string DurationText(double duration_s) {
 }  // namespace
 
 ProgressSettings ProgressSettings::Standard(bool quiet) {
-  return {quiet ? nullptr : &std::cerr, isatty(STDERR_FILENO) != 0, [] {
-            return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-          }};
+  ProgressSettings settings{.stream = quiet ? nullptr : &std::cerr,
+                            .terminal = isatty(STDERR_FILENO) != 0,
+                            .now_s =
+                                [] {
+                                  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+                                  return std::chrono::duration<double>(now).count();
+                                },
+                            .detail = [](const std::string& sentence) { PrintDetail(sentence); }};
+  if (HasLog()) settings.log = [](const std::string& line) { LogLine(line); };
+  return settings;
 }
 
 Progress::Progress(std::string title, int total, ProgressSettings settings, std::string unit)
     : title_(std::move(title)), total_(total), settings_(std::move(settings)), unit_(std::move(unit)) {
-  if (settings_.stream == nullptr) return;
+  if (!settings_.now_s) return;  // shows and logs nothing
   start_s_ = settings_.now_s();
   next_show_s_ = start_s_ + kQuietStart_s;
+  next_log_s_ = next_show_s_;
 }
 
 Progress::~Progress() {
+  PrintDuration(done_);
   if (bar_drawn_) *settings_.stream << "\r\x1b[K" << std::flush;
 }
 
+void Progress::PrintDuration(int done) {
+  if (!settings_.detail || has_printed_duration_.exchange(true)) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (bar_drawn_) *settings_.stream << "\r\x1b[K" << std::flush;
+    bar_drawn_ = false;
+  }
+  settings_.detail(fmt::format("{}: {} {} in {:.2f} s", title_, done, unit_.empty() ? "steps" : unit_,
+                               settings_.now_s() - start_s_));
+}
+
 void Progress::Show(int done) {
-  if (settings_.stream == nullptr) return;
+  if (total_ > 0 && done >= total_) return PrintDuration(done);
+  if (settings_.stream == nullptr && !settings_.log) return;
   // A thread never waits to show its progress: another one is showing it.
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return;
   const double now_s = settings_.now_s();
-  if (now_s < next_show_s_ || (total_ > 0 && done >= total_)) return;
+  const bool shows = settings_.stream != nullptr && now_s >= next_show_s_;
+  const bool logs = settings_.log && now_s >= next_log_s_;
+  if (!shows && !logs) return;
   const std::string status = StatusText(done, now_s - start_s_);
+  if (logs) {
+    settings_.log(fmt::format("{}: {}", title_, status));
+    next_log_s_ = now_s + kLineInterval_s;
+  }
+  if (!shows) return;
   if (settings_.terminal) {
     std::string bar;
     if (total_ > 0) {

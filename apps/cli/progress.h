@@ -1,5 +1,5 @@
 // Progress of a long run on stderr: a bar on a terminal, a plain line now and then otherwise (in a log),
-// nothing with --quiet. Work of less than a second shows nothing.
+// nothing with --quiet. Work of less than a second shows nothing. --log receives the lines, too.
 #pragma once
 
 #include <atomic>
@@ -16,10 +16,13 @@ namespace sonarcal::cli {
 // Destination and form of progress. Standard returns those of the program; tests set their own clock and
 // stream.
 struct ProgressSettings {
-  std::ostream* stream = nullptr;  // nullptr shows nothing
-  bool terminal = false;           // a bar that redraws itself, instead of lines
-  std::function<double()> now_s;   // a steady clock, seconds
+  std::ostream* stream = nullptr;                       // nullptr shows nothing
+  bool terminal = false;                                // a bar that redraws itself, instead of lines
+  std::function<double()> now_s;                        // a steady clock, seconds
+  std::function<void(const std::string&)> log = {};     // receives lines like those without a terminal
+  std::function<void(const std::string&)> detail = {};  // receives the time of the loop at its end
 
+  // Shows nothing with --quiet. Lines go to --log. The time of the loop is a detail (apps/cli/messages.h).
   static ProgressSettings Standard(bool quiet);
 };
 
@@ -53,6 +56,7 @@ class Progress {
 
  private:
   void Show(int done);
+  void PrintDuration(int done);  // once
   std::string StatusText(int done, double elapsed_s) const;
 
   const std::string title_;
@@ -62,8 +66,10 @@ class Progress {
   double start_s_ = 0.0;
   std::atomic<int> done_ = 0;
   std::atomic<int> skipped_ = 0;
+  std::atomic<bool> has_printed_duration_ = false;
   std::mutex mutex_;  // guards the stream and the members below
   double next_show_s_ = 0.0;
+  double next_log_s_ = 0.0;
   bool bar_drawn_ = false;
 };
 

@@ -1,11 +1,15 @@
 #include "apps/cli/provenance.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command.h"
+#include "apps/cli/messages.h"
+#include "apps/cli/options_file.h"
 #include "core/types/error.h"
 #include "data_io/files/hash.h"
 #include "data_io/json/json_writer.h"
@@ -49,11 +53,19 @@ Json ProvenanceToJson(const Provenance& provenance) {
   if (!provenance.made_of.is_null()) json["made_of"] = provenance.made_of;
   json["inputs"] = Json::array();
   for (const fs::path& input : provenance.inputs) json["inputs"].push_back(InputToJson(input));
+  if (!OptionsFile().empty()) json["inputs"].push_back(InputToJson(OptionsFile()));
   return json;
 }
 
 void WriteProvenance(const fs::path& folder, const Provenance& provenance) {
-  data_io::WriteJson(folder / "provenance.json", ProvenanceToJson(provenance));
+  const Json json = ProvenanceToJson(provenance);
+  for (const Json& input : json["inputs"]) {
+    const std::string files =
+        input.contains("files") ? fmt::format("{} files, ", input["files"].get<int>()) : "";
+    PrintDetail(fmt::format("read {} ({}{} bytes)", input["path"].get<std::string>(), files,
+                            input["bytes"].get<std::uintmax_t>()));
+  }
+  data_io::WriteJson(folder / "provenance.json", json);
 }
 
 }  // namespace sonarcal::cli

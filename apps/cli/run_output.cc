@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/messages.h"
 #include "core/types/error.h"
 #include "data_io/json/json_writer.h"
 
@@ -119,12 +120,24 @@ void RunOutput::Keep() {
 }
 
 void RunOutput::Commit() {
-  if (command_.empty()) return directory_.Commit();
+  std::vector<std::string> written;  // for --verbose
   std::set<std::string> outputs;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging())) {
+    if (entry.is_directory()) continue;
     const fs::path name = entry.path().lexically_relative(staging());
-    if (!entry.is_directory() && name != kProvenance) outputs.insert(name.generic_string());
+    written.push_back(fmt::format("wrote {} ({} bytes)", (final_path() / name).string(), entry.file_size()));
+    if (name != kProvenance) outputs.insert(name.generic_string());
   }
+  if (command_.empty()) {
+    directory_.Commit();
+  } else {
+    CommitWithProvenance(std::move(outputs));
+  }
+  std::ranges::sort(written);
+  for (const std::string& sentence : written) PrintDetail(sentence);
+}
+
+void RunOutput::CommitWithProvenance(std::set<std::string> outputs) {
   if (goes_on_) {
     for (const fs::path& name : earlier_) outputs.insert(name.generic_string());
   }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,8 @@ class RunOutput {
   void Commit();
 
  private:
+  void CommitWithProvenance(std::set<std::string> outputs);
+
   explicit RunOutput(const std::filesystem::path& folder, data_io::Aside aside = data_io::Aside::kThisRun);
 
   std::string command_;                         // empty: Beside

@@ -12,7 +12,9 @@ inline CLI::Option* AddSonar(CLI::App& command, std::string& sonar, const std::s
   return command
       .add_option(
           "--sonar", sonar,
-          "Sonar: a name (see sonarcal sonars), a recording, or a JSON file with a 'sonar' object" + note)
+          "Sonar: a name such as p900-45 (listed by sonarcal sonars), a recording, or a JSON file with a "
+          "'sonar' object" +
+              note)
       ->type_name("NAME|FILE");
 }
 

@@ -144,8 +144,7 @@ cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
 
 void SetupBatch(CLI::App& app) {
   auto options = std::make_shared<BatchOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "batch", "Simulates, compares, fits or calibrates over many recordings and parameter sets");
+  CLI::App* command = cli::AddCommand(app, "batch", "Runs commands over many recordings and parameter sets");
   command->add_option("PLAN", options->plan, "Plan of commands and their options (sonarcal-batch/1, JSON)")
       ->required();
   command->add_option("--out", options->out, "Folder of all outputs, of the ledger and of the summary")

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/command.h"
-#include "apps/cli/command_options.h"
-#include "apps/cli/completion.h"
-#include "apps/cli/man_pages.h"
+#include "apps/cli/documentation/command_options.h"
+#include "apps/cli/documentation/completion.h"
+#include "apps/cli/documentation/man_pages.h"
 #include "apps/cli/run_output.h"
 #include "apps/commands/commands.h"
 #include "data_io/json/json_writer.h"

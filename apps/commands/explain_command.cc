@@ -237,9 +237,8 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
 
 void SetupExplain(CLI::App& app) {
   auto options = std::make_shared<ExplainCommandOptions>();
-  CLI::App* command = cli::AddCommand(app, "explain",
-                                      "Adds the parts of the acoustic model one by one, evaluates each on "
-                                      "held-out frames, and finds the cause of every bright pixel");
+  CLI::App* command =
+      cli::AddCommand(app, "explain", "Ablation study of the acoustic model, and causes of bright pixels");
   command
       ->add_option("--real", options->real,
                    "Recording with at least two frames, each with a pose; required without --known, like "

@@ -398,8 +398,7 @@ cli::ExitStatus RunExport(const ExportOptions& options) {
 
 void SetupExport(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "export", "Writes parameters for another simulator, or a recording for other tools");
+  CLI::App* command = cli::AddCommand(app, "export", "Writes parameters or a recording for other tools");
   cli::internal::AddChoice<ExportTarget>(*command, "--to",
                                          "Simulator whose configuration is written, or format of a recording",
                                          [options](ExportTarget to) { options->to = to; })

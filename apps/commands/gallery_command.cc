@@ -221,8 +221,8 @@ cli::ExitStatus RunGallery(const GalleryOptions& options) {
 
 void SetupGallery(CLI::App& app) {
   auto options = std::make_shared<GalleryOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "gallery", "Shows each scene as a sonar sees it: depth, fan and polar image, several viewpoints");
+  CLI::App* command =
+      cli::AddCommand(app, "gallery", "Shows scenes as a sonar sees them, from several viewpoints");
   cli::AddOutFolder(*command, options->out, options->common, "Folder for the page and its pictures")
       ->required();
   AddEnvironmentOptions(*command, options->only, options->environment);

@@ -249,8 +249,8 @@ cli::ExitStatus RunInspect(const InspectOptions& options) {
 
 void SetupInspect(CLI::App& app) {
   auto options = std::make_shared<InspectOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "inspect", "Prints the contents of a recording: sensor, window, beams, frames, gain, quirks");
+  CLI::App* command =
+      cli::AddCommand(app, "inspect", "Prints the contents of a recording: sensor, window, beams, frames");
   command->add_option("FILE", options->files, "Recording folders, or files of a sonar's native format")
       ->required();
   cli::AddBagOptions(*command, options->bag);

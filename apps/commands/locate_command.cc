@@ -142,8 +142,8 @@ cli::ExitStatus RunLocate(const LocateCommandOptions& options) {
 
 void SetupLocate(CLI::App& app) {
   auto options = std::make_shared<LocateCommandOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "locate", "Finds the pose of a target in frames of a recording, from the mesh of the target");
+  CLI::App* command =
+      cli::AddCommand(app, "locate", "Finds the pose of a target in a recording, from its mesh");
   command->add_option("--real", options->real, "Recording that shows the target; needs no poses")
       ->type_name("REC")
       ->required();

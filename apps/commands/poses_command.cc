@@ -309,8 +309,7 @@ cli::ExitStatus RunPoses(const PosesOptions& options) {
 
 void SetupPoses(CLI::App& app) {
   auto options = std::make_shared<PosesOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "poses", "Finds the poses of the sonar from pictures of markers by a camera mounted beside it");
+  CLI::App* command = cli::AddCommand(app, "poses", "Finds the poses of the sonar from pictures of markers");
   command->add_option("--images", options->images, "Folder of pictures: PNG, JPEG or grey TIFF")
       ->type_name("DIR")
       ->required();

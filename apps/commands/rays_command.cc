@@ -290,8 +290,7 @@ cli::ExitStatus RunRays(const RaysOptions& options) {
 
 void SetupRays(CLI::App& app) {
   auto options = std::make_shared<RaysOptions>();
-  CLI::App* command =
-      cli::AddCommand(app, "rays", "Measures the error of images with few rays, for both samplings");
+  CLI::App* command = cli::AddCommand(app, "rays", "Measures the error of images with few rays");
   cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
   cli::AddSonar(*command, options->sonar)->required();

@@ -102,8 +102,8 @@ cli::ExitStatus RunRecordings(const RecordingsOptions& options) {
 
 void SetupRecordings(CLI::App& app) {
   auto options = std::make_shared<RecordingsOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "recordings", "Lists public recordings of real sonars, their licences, and which are here");
+  CLI::App* command =
+      cli::AddCommand(app, "recordings", "Lists public recordings of real sonars, and which are here");
   command->add_option("--dir", options->folder,
                       "Folder of the recordings; default: $SONARCAL_RECORDINGS, else recordings/");
   cli::OnRun(command, options->common, [options] { return RunRecordings(*options); });

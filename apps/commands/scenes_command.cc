@@ -141,9 +141,7 @@ cli::ExitStatus RunScenes(const ScenesOptions& given) {
 
 void SetupScenes(CLI::App& app) {
   auto options = std::make_shared<ScenesOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "scenes",
-      "Writes the paper's scenes (tank, mock-up, seabed, bridge pier, jacket), with parameters and poses");
+  CLI::App* command = cli::AddCommand(app, "scenes", "Writes the paper's scenes, with parameters and poses");
   cli::AddOutFolder(*command, options->out, options->common,
                     "Folder for scenes, parameters and poses; required without --list");
   command->add_flag("--list", options->list, "List the scenes with their number of triangles; write nothing");

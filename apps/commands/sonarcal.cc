@@ -1,31 +1,21 @@
+// The program `sonarcal`: one binary, one file per command.
 #include <CLI/CLI.hpp>
 
-// The program `sonarcal`: one binary, one file per command.
 #include "apps/cli/command.h"
 #include "apps/commands/commands.h"
+#include "apps/commands/examples.h"
 
 int main(int argc, char** argv) {
+  using namespace sonarcal::commands;  // NOLINT(google-build-using-namespace)
   CLI::App app("Makes a simulated imaging sonar agree with a real one.");
   sonarcal::cli::SetUpRoot(app);
-  sonarcal::commands::SetupReproduce(app);
-  sonarcal::commands::SetupScenes(app);
-  sonarcal::commands::SetupGallery(app);
-  sonarcal::commands::SetupSimulate(app);
-  sonarcal::commands::SetupRays(app);
-  sonarcal::commands::SetupCompare(app);
-  sonarcal::commands::SetupFit(app);
-  sonarcal::commands::SetupCalibrate(app);
-  sonarcal::commands::SetupJudgeNoise(app);
-  sonarcal::commands::SetupLocate(app);
-  sonarcal::commands::SetupView(app);
-  sonarcal::commands::SetupBatch(app);
-  sonarcal::commands::SetupDocs(app);
-  sonarcal::commands::SetupExplain(app);
-  sonarcal::commands::SetupInspect(app);
-  sonarcal::commands::SetupConvert(app);
-  sonarcal::commands::SetupExport(app);
-  sonarcal::commands::SetupPoses(app);
-  sonarcal::commands::SetupRecordings(app);
-  sonarcal::commands::SetupSonars(app);
+  const auto add = [&](const char* group, const std::vector<void (*)(CLI::App&)>& setups) {
+    sonarcal::cli::AddCommands(app, group, setups);
+  };
+  add("Start here", {SetupScenes, SetupSimulate, SetupCompare, SetupFit, SetupReproduce});
+  add("Calibrate", {SetupCalibrate, SetupLocate, SetupPoses, SetupExplain, SetupJudgeNoise});
+  add("Look at data", {SetupInspect, SetupView, SetupGallery, SetupRays, SetupSonars, SetupRecordings});
+  add("Exchange and automate", {SetupConvert, SetupExport, SetupBatch, SetupDocs});
+  AddExamples(app);
   return sonarcal::cli::RunApp(app, argc, argv);
 }

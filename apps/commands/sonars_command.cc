@@ -73,8 +73,7 @@ cli::ExitStatus RunSonars(const SonarsOptions& options) {
 
 void SetupSonars(CLI::App& app) {
   auto options = std::make_shared<SonarsOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "sonars", "Lists the sonars known by name: figures, their sources, what is assumed");
+  CLI::App* command = cli::AddCommand(app, "sonars", "Lists the sonars known by name, for --sonar");
   cli::OnRun(command, options->common, [options] { return RunSonars(*options); });
 }
 

@@ -174,8 +174,8 @@ cli::ExitStatus RunView(const ViewOptions& options) {
 
 void SetupView(CLI::App& app) {
   auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "view", "Shows a scene, a sonar in it and its image live on a page of this machine, with sliders");
+  CLI::App* command =
+      cli::AddCommand(app, "view", "Shows a scene and its sonar image live in a browser, with sliders");
   cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/true);
   cli::AddSonar(*command, options->sonar, " (default: that of --real)");

@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "apps/reproduce/case_scene.h"
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/json/json_fields.h"
@@ -256,7 +257,8 @@ CasePlan FindCase(std::string_view name) {
   const fs::path cases = CasesFolder();
   const std::vector<std::string> names = CaseNames(cases);
   if (std::find(names.begin(), names.end(), folder) == names.end())
-    throw UsageError("unknown case '{}', expected {}", name, fmt::join(names, "|"));
+    throw UsageError("unknown case '{}'{}", name,
+                     ExpectedWord(name, names, fmt::format("{}", fmt::join(names, "|"))));
   return ReadCase(cases / folder);
 }
 

@@ -13,6 +13,7 @@
 #include "apps/workflow/simulate.h"
 #include "calib/noise/background_display.h"
 #include "core/math/statistics.h"
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "metrics/segmentation/segmentation.h"
@@ -83,8 +84,8 @@ class Locator {
     if (options.floor && !floor_material_.empty())
       throw UsageError("--floor and --floor-material are given, expected one of them");
     if (!floor_material_.empty() && std::find(names.begin(), names.end(), floor_material_) == names.end()) {
-      throw DataError("the mesh has no material '{}' for its floor, expected one of {}", floor_material_,
-                      fmt::join(names, ", "));
+      throw DataError("the mesh has no material '{}' for its floor{}", floor_material_,
+                      ExpectedWord(floor_material_, names));
     }
     location_.scene = mesh;
     if (options.floor) {

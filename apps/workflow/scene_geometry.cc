@@ -1,7 +1,6 @@
 #include "apps/workflow/scene_geometry.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,8 @@
 
 #include "apps/workflow/assumptions.h"
 #include "apps/workflow/compare.h"
+#include "core/text/nearest_word.h"
+#include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/rays/trace.h"
 
@@ -39,8 +40,8 @@ int BinOf(double range_m, const PolarAxes& axes) {
 void CheckObject(const metrics::ObjectSearch& object, const std::vector<std::string>& material_names) {
   if (std::find(material_names.begin(), material_names.end(), object.material) != material_names.end())
     return;
-  throw DataError("the scene has no material '{}' to be the object, expected one of {}", object.material,
-                  fmt::join(material_names, ", "));
+  throw DataError("the scene has no material '{}' to be the object{}", object.material,
+                  ExpectedWord(object.material, material_names));
 }
 
 SceneGeometry::SceneGeometry(Scene scene, const SonarModel& sonar)

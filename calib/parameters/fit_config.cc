@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/parameters/pose_step.h"
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "data_io/json/json_reader.h"
 
@@ -61,12 +62,17 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
     act(i);
   }
   if (any) return;
-  std::string names;
-  for (const CatalogEntry& entry : catalog) names += (names.empty() ? "" : ", ") + entry.name;
+  std::vector<std::string> names;
+  for (const CatalogEntry& entry : catalog) names.push_back(entry.name);
+  std::vector<std::string> words = {"materials", "noise",    "psf",     "mirrors", "pose",
+                                    "mount",     "geometry", "display", "jitter",  "source_level"};
+  words.insert(words.end(), names.begin(), names.end());
   throw DataError(
-      "fit: no parameter is called '{}'; expected a group (materials, noise, psf, mirrors, pose, mount, "
-      "geometry, object:NODE, outline:NODE, display, jitter, source_level), or a name or pattern among {}",
-      pattern, names);
+      "fit: no parameter is called '{}'{}", pattern,
+      ExpectedWord(pattern, words,
+                   fmt::format("a group (materials, noise, psf, mirrors, pose, mount, geometry, object:NODE, "
+                               "outline:NODE, display, jitter, source_level), or a name or pattern among {}",
+                               fmt::join(names, ", "))));
 }
 
 // How closely a pattern that matches the entry names it: the name itself most, then a pattern by its

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 
 namespace sonarcal::calib {
@@ -129,7 +130,7 @@ std::vector<std::size_t> VerticesOfObject(Scene& scene, const std::string& name)
     for (const SceneObject& of : scene.objects) {
       if (std::ranges::find(names, of.name) == names.end()) names.push_back(of.name);
     }
-    throw DataError("no object '{}' in the scene, expected one of {}", name, fmt::join(names, ", "));
+    throw DataError("no object '{}' in the scene{}", name, ExpectedWord(name, names));
   }
   return VerticesOfMaterial(scene, static_cast<std::size_t>(material - scene.material_names.begin()));
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "sim/scenes/bridge_pier.h"
 #include "sim/scenes/jacket.h"
@@ -113,12 +114,12 @@ const std::vector<Environment>& Environments() {
 }
 
 const Environment& FindEnvironment(std::string_view name) {
-  std::string names;
+  std::vector<std::string> names;
   for (const Environment& environment : Environments()) {
     if (environment.name == name) return environment;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", environment.name);
+    names.emplace_back(environment.name);
   }
-  throw UsageError("unknown scene '{}', expected one of {}", name, names);
+  throw UsageError("unknown scene '{}'{}", name, ExpectedWord(name, names));
 }
 
 std::vector<std::string> EnvironmentMaterials() {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/sonars/aris_beam_tables.h"
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/physics/absorption.h"
@@ -181,7 +182,10 @@ const SonarPreset& FindSonarPreset(std::string_view name) {
   for (const SonarPreset& preset : SonarPresets()) {
     if (preset.name == name) return preset;
   }
-  throw UsageError("unknown sonar '{}'; expected one of {}, or a file", name, SonarPresetNames());
+  std::vector<std::string> names;
+  for (const SonarPreset& preset : SonarPresets()) names.emplace_back(preset.name);
+  throw UsageError("unknown sonar '{}'{}", name,
+                   ExpectedWord(name, names, fmt::format("one of {}, or a file", SonarPresetNames())));
 }
 
 }  // namespace sonarcal::sim

@@ -28,6 +28,15 @@ inline Outcome RunSonarcal(const std::string& arguments) {
           ReadFile(dir / "err")};
 }
 
+// The same with `folder` as the working folder.
+inline Outcome RunSonarcalIn(const std::filesystem::path& folder, const std::string& arguments) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder);
+  Outcome outcome = RunSonarcal(arguments);
+  std::filesystem::current_path(before);
+  return outcome;
+}
+
 inline std::string Quoted(const std::filesystem::path& path) {
   return fmt::format("'{}'", path.string());
 }

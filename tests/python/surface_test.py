@@ -102,7 +102,7 @@ ELSEWHERE = {
     "locate": {"real", "target", "scene-unit", "scene-up", "out", "force"},
     "explain": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "out", "force", "known", "recordings", "apart"},
 }
-TERMINAL = {"help", "json", "quiet"}
+TERMINAL = {"help", "json", "quiet", "verbose", "log", "options"}
 
 
 def keywords(function):

@@ -159,9 +159,8 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
 
 void SetupCalibrate(CLI::App& app) {
   auto options = std::make_shared<CalibrateCommandOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "calibrate",
-      "Calibrates a simulator to a recording and a scene, and says each decision and its reason");
+  CLI::App* command =
+      cli::AddCommand(app, "calibrate", "Calibrates a simulator to a recording and a scene, in stages");
   command
       ->add_option("--real", options->real,
                    "Recording to calibrate to; each frame needs a rough pose, except with --poses")

@@ -348,9 +348,8 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
 
 void SetupFit(CLI::App& app) {
   auto options = std::make_shared<FitCommandOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "fit",
-      "Fits the parameters of the model that --params names, paper or acoustic, to a recording with poses");
+  CLI::App* command =
+      cli::AddCommand(app, "fit", "Fits the parameters of an image model to a recording with poses");
   AddFitOptions(command, options.get());
   cli::OnRun(command, options->common, [command, options] {
     RefuseWithoutEffect(*command, *options);

@@ -117,8 +117,8 @@ cli::ExitStatus RunJudgeNoise(const JudgeNoiseCommandOptions& options) {
 
 void SetupJudgeNoise(CLI::App& app) {
   auto options = std::make_shared<JudgeNoiseCommandOptions>();
-  CLI::App* command = cli::AddCommand(
-      app, "judge-noise", "Measures how well a fitted noise law describes pings, without fitting it again");
+  CLI::App* command =
+      cli::AddCommand(app, "judge-noise", "Measures how well a fitted noise law describes other pings");
   command
       ->add_option(
           "--params", options->params,

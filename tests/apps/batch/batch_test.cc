@@ -403,6 +403,7 @@ TEST_F(BatchTest, InvalidPlansAreRefusedWithFileAndLine) {
       {entry(R"("options": {"sonnar": "x"})"),
        "plan.json:2: 'entries[0].options.sonnar' is no option of simulate"},
       {entry(R"("options": {"out": "x"})"), "is an option that the batch sets itself"},
+      {entry(R"("options": {"log": "x"})"), "is an option that the batch sets itself"},
       {entry(R"("options": {"noise": "yes"})"), "noise"},
       {entry(R"("options": {"seed": true})"), "expected a value of --seed"},
       {entry(R"("options": {"seed": []})"), "expected at least one value"},

@@ -82,5 +82,25 @@ TEST_F(ProgressTest, ManyThreadsMayAdvance) {
   EXPECT_THAT(stream_.str(), HasSubstr("2001 of 4000"));
 }
 
+TEST_F(ProgressTest, TheLogGetsLinesAndTheTimeAtTheEndAlsoIfNothingIsShown) {
+  std::vector<std::string> log;
+  std::vector<std::string> details;
+  ProgressSettings settings = Settings(true);
+  settings.stream = nullptr;
+  settings.log = [&](const std::string& line) { log.push_back(line); };
+  settings.detail = [&](const std::string& sentence) { details.push_back(sentence); };
+  {
+    Progress progress("Working", 100, settings, "frames");
+    for (int i = 0; i < 40; ++i) {
+      now_s_ += 0.25;
+      progress.Advance();
+    }
+  }
+  EXPECT_THAT(log, ::testing::ElementsAre("Working: 4 of 100, 4 frames/s, 24 s left",
+                                          "Working: 24 of 100, 4 frames/s, 19 s left"));
+  EXPECT_THAT(details, ::testing::ElementsAre("Working: 40 frames in 10.00 s"));
+  EXPECT_THAT(stream_.str(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace sonarcal::cli

@@ -1,10 +1,10 @@
-#include "apps/cli/completion.h"
+#include "apps/cli/documentation/completion.h"
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 
-#include "apps/cli/command_options.h"
+#include "apps/cli/documentation/command_options.h"
 
 namespace sonarcal::cli {
 namespace {

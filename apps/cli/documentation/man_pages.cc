@@ -1,10 +1,12 @@
-#include "apps/cli/man_pages.h"
+#include "apps/cli/documentation/man_pages.h"
 
 #include <fmt/format.h>
 
+#include <sstream>
+
 #include <CLI/CLI.hpp>
 
-#include "apps/cli/command_options.h"
+#include "apps/cli/documentation/command_options.h"
 
 namespace sonarcal::cli {
 namespace {
@@ -44,6 +46,16 @@ void AddOptions(const std::vector<DocumentedOption>& options, bool arguments, st
   }
 }
 
+// The end of --help: its first line is a heading.
+std::string Examples(const CLI::App& command) {
+  std::istringstream footer(command.get_footer());
+  std::string text;
+  std::string line;
+  std::getline(footer, line);
+  while (std::getline(footer, line) && line.starts_with(' ')) text += Roff(line.substr(2)) + '\n';
+  return text.empty() ? text : ".SH EXAMPLES\n.nf\n" + text + ".fi\n";
+}
+
 constexpr const char* kExitStatus =
     ".SH EXIT STATUS\n.TP\n0\nDone.\n.TP\n1\nBad data, or a run that failed.\n.TP\n2\nA wrong command "
     "line.\n.TP\n3\nA fit that ended without a usable solution.\n.TP\n4\nA figure exceeded a threshold of "
@@ -64,7 +76,7 @@ std::string ProgramManPage(const CLI::App& root, const std::string& version) {
   }
   text += ".SH OPTIONS\n";
   AddOptions(DocumentedOptions(root), /*arguments=*/false, text);
-  return text + kExitStatus;
+  return text + Examples(root) + kExitStatus;
 }
 
 std::string CommandManPage(const CLI::App& command, const std::string& version) {
@@ -85,7 +97,7 @@ std::string CommandManPage(const CLI::App& command, const std::string& version) 
   }
   text += ".SH OPTIONS\n";
   AddOptions(options, /*arguments=*/false, text);
-  return text + kExitStatus + ".SH SEE ALSO\n.BR sonarcal (1)\n";
+  return text + Examples(command) + kExitStatus + ".SH SEE ALSO\n.BR sonarcal (1)\n";
 }
 
 }  // namespace sonarcal::cli

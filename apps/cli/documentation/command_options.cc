@@ -1,4 +1,4 @@
-#include "apps/cli/command_options.h"
+#include "apps/cli/documentation/command_options.h"
 
 #include <fmt/format.h>
 
