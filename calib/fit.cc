@@ -213,7 +213,8 @@ class Fitter {
     const FitState interior{.active = interior_, .values = state_.values};
     ResidualSummary residuals;
     NormalEquations equations = Accumulate(model_, catalog_, interior, options_, &residuals);
-    if (by_other_rays_ != nullptr) AddErrorsOfRays(model_, *by_other_rays_, catalog_, interior, equations);
+    if (by_other_rays_ != nullptr)
+      equations.numerical = ScoreErrors(model_, *by_other_rays_, catalog_, interior);
     if (model_.IsLikelihood()) {
       report_.whitened = residuals;
     } else {

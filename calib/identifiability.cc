@@ -73,24 +73,6 @@ std::string KnownAllTheSame(const Eigen::MatrixXd& covariance,
   return fmt::format("only {} is known, to {:.2g}", text, sigma);
 }
 
-// Returns the matrix that turns changes by `information` into those by `across`: across^-1 information. No
-// direction grows by more than a factor of ten, because there `across` itself is mostly chance. Both are
-// symmetric, and `information` is positive definite.
-Eigen::MatrixXd ChangesAcross(const Eigen::MatrixXd& information, const Eigen::MatrixXd& across) {
-  constexpr double kLeastShare = 0.1;
-  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> llt(scale.asDiagonal() * information * scale.asDiagonal());
-  const Eigen::MatrixXd half =
-      llt.matrixL().solve(Eigen::MatrixXd(scale.asDiagonal() * across * scale.asDiagonal()));
-  const Eigen::MatrixXd share = llt.matrixL().solve(Eigen::MatrixXd(half.transpose()));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(share);
-  const Eigen::MatrixXd grown = solver.eigenvectors() *
-                                solver.eigenvalues().cwiseMax(kLeastShare).cwiseInverse().asDiagonal() *
-                                solver.eigenvectors().transpose();
-  const Eigen::MatrixXd right = grown * Eigen::MatrixXd(llt.matrixL()).transpose();
-  return scale.asDiagonal() * llt.matrixU().solve(right) * scale.cwiseInverse().asDiagonal();
-}
-
 }  // namespace
 
 NormalEquations HoldParameter(const NormalEquations& equations, int parameter) {
@@ -100,8 +82,6 @@ NormalEquations HoldParameter(const NormalEquations& equations, int parameter) {
   }
   NormalEquations held = equations;
   held.information = equations.information(kept, kept);
-  if (equations.information_across.size() > 0)
-    held.information_across = equations.information_across(kept, kept);
   if (equations.prior.size() > 0) held.prior = equations.prior(kept);
   for (std::size_t i = 0; i < equations.blocks.size(); ++i) {
     held.blocks[i].information = equations.blocks[i].information(kept, kept);
@@ -159,12 +139,6 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
   for (const Eigen::VectorXd& score : equations.numerical) {
     const Eigen::VectorXd change = solve(information, score);
     covariance += change * change.transpose();
-  }
-  if (equations.information_across.size() > 0) {
-    Eigen::MatrixXd across = equations.information_across;
-    if (equations.prior.size() > 0) across.diagonal() += equations.prior;
-    const Eigen::MatrixXd grow = ChangesAcross(information, across);
-    covariance = grow * covariance * grow.transpose();
   }
   return covariance;
 }

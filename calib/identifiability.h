@@ -18,9 +18,6 @@ struct NormalEquations {
     Eigen::VectorXd score;        // J_b^T r_b
   };
   Eigen::MatrixXd information;  // J^T J
-  // Symmetric part of J_1^T J_2, from slopes by two sets of rays. Errors of the slopes add to J^T J, but not
-  // to this. Empty: the slopes are exact.
-  Eigen::MatrixXd information_across;
   Eigen::VectorXd prior;      // 1 / variance of the prior; empty: no priors
   std::vector<Block> blocks;  // blocks in which a residual depends on a parameter
   // Factor of the variance for what blocks share with their neighbours (BlockPixels).
@@ -54,8 +51,7 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 // Not finite if one block alone determines a parameter. A prior P adds its information to J^T J, and
 // (J^T J + P)^-1 P (J^T J + P)^-1 to the covariance. So directions that the data do not determine keep the
 // variance of the prior. A numerical error s of the score adds the outer product of the change that it makes,
-// (J^T J + P)^-1 s. Where errors of the slopes make J^T J too large, all changes grow by
-// (J_1^T J_2 + P)^-1 (J^T J + P), at most tenfold.
+// (J^T J + P)^-1 s.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
 // Factor by which a 95 % interval is wider than 1.96 standard errors if the covariance above is a sum over

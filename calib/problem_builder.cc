@@ -119,53 +119,6 @@ std::vector<Eigen::Index> ColumnsOf(int frame, const std::vector<CatalogEntry>& 
   return columns;
 }
 
-// Sums over the pixels of a frame by two models of it with other rays.
-struct AcrossSums {
-  Eigen::MatrixXd information;  // J_1^T W J_2
-  Eigen::VectorXd score_error;  // difference of the scores over the square root of 2
-};
-
-AcrossSums SumAcross(const FrameModel& model, const FrameModel& by_other_rays,
-                     const std::vector<CatalogEntry>& catalog, const FitState& state, int frame) {
-  const std::vector<Eigen::Index> columns = ColumnsOf(frame, catalog, state);
-  std::vector<int> active;
-  for (const Eigen::Index k : columns) active.push_back(state.active[k]);
-  const auto m = static_cast<Eigen::Index>(columns.size());
-  const auto first_rays = model.At(frame, state.values, active, FrameModel::Terms::kInformation);
-  const auto other_rays = by_other_rays.At(frame, state.values, active, FrameModel::Terms::kInformation);
-  SONARCAL_CHECK(first_rays != nullptr && other_rays != nullptr, "the model gives no value here");
-  const int band_bins = BandBins(model);
-  std::vector<AcrossSums> bands((model.range_bins() + band_bins - 1) / band_bins);
-  ForBands(model.range_bins(), band_bins, [&](int band, int first, int last) {
-    thread_local PixelTerms terms;
-    thread_local PixelTerms others;
-    SONARCAL_CHECK(first_rays->Bins(first, last, terms) && other_rays->Bins(first, last, others),
-                   "the model gives no value here");
-    const auto pixels = static_cast<Eigen::Index>(terms.residual.size());
-    const auto jacobian = [&](const PixelTerms& of) {
-      return Eigen::Map<const RowMajor>(of.eta_jacobian.data(), pixels, m);
-    };
-    const auto score = [&](const PixelTerms& of) {
-      const Eigen::Map<const Eigen::VectorXd> slope(of.slope.data(), pixels);
-      const Eigen::Map<const Eigen::VectorXd> residual(of.residual.data(), pixels);
-      return Eigen::VectorXd(jacobian(of).transpose() * slope.cwiseProduct(residual));
-    };
-    const Eigen::Map<const Eigen::VectorXd> weight(terms.information.data(), pixels);
-    bands[band].information = jacobian(terms).transpose() * weight.asDiagonal() * jacobian(others);
-    bands[band].score_error = (score(terms) - score(others)) / std::numbers::sqrt2;
-  });
-  const auto n = static_cast<Eigen::Index>(state.active.size());
-  AcrossSums sums{.information = Eigen::MatrixXd::Zero(n, n), .score_error = Eigen::VectorXd::Zero(n)};
-  for (const AcrossSums& band : bands) {
-    sums.information(columns, columns) += band.information;
-    sums.score_error(columns) += band.score_error;
-  }
-  const Eigen::VectorXd value_slope = ValueSlopes(catalog, state);
-  sums.information = value_slope.asDiagonal() * sums.information * value_slope.asDiagonal();
-  sums.score_error = value_slope.cwiseProduct(sums.score_error);
-  return sums;
-}
-
 // Replaces the hundred thousand residuals of a frame by one residual per parameter that it depends on and one
 // more. Cost and gradient g are the same. J^T J is replaced by the expected information V diag(l) V^T (Fisher
 // scoring; J^T J from the slopes of single pixels is a noisy estimate of it):
@@ -443,19 +396,20 @@ CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>
   return slopes;
 }
 
-void AddErrorsOfRays(const FrameModel& model, const FrameModel& by_other_rays,
-                     const std::vector<CatalogEntry>& catalog, const FitState& state,
-                     NormalEquations& equations) {
-  const auto n = static_cast<Eigen::Index>(state.active.size());
-  equations.information_across = Eigen::MatrixXd::Zero(n, n);
+std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameModel& by_other_rays,
+                                         const std::vector<CatalogEntry>& catalog, const FitState& state) {
   std::map<int, Eigen::VectorXd> of_pose;  // frames of one pose have the same rays
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    const AcrossSums sums = SumAcross(model, by_other_rays, catalog, state, frame);
-    equations.information_across += 0.5 * (sums.information + sums.information.transpose());
-    const auto [found, added] = of_pose.try_emplace(model.first_of_pose(frame), sums.score_error);
-    if (!added) found->second += sums.score_error;
+    const auto sums = SumFrame(model, catalog, state, frame, true);
+    const auto others = SumFrame(by_other_rays, catalog, state, frame, true);
+    SONARCAL_CHECK(sums && others, "the model gives no value here");
+    const Eigen::VectorXd error = (sums->gradient - others->gradient) / std::numbers::sqrt2;
+    const auto [found, added] = of_pose.try_emplace(model.first_of_pose(frame), error);
+    if (!added) found->second += error;
   }
-  for (auto& [frame, error] : of_pose) equations.numerical.push_back(std::move(error));
+  std::vector<Eigen::VectorXd> errors;
+  for (auto& [frame, error] : of_pose) errors.push_back(std::move(error));
+  return errors;
 }
 
 double CostOfFrame(const FrameModel& model, const ParameterValues& values, int frame) {

@@ -61,12 +61,10 @@ struct CostSlopes {
 CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                         const FitState& state);
 
-// Adds to the equations of `model` what its rays leave to chance, from a model of the same frames about the
-// same point with other rays: numerical errors of the score, one vector per pose (the difference of the two
-// scores over the square root of 2), and the information by the slopes of both.
-void AddErrorsOfRays(const FrameModel& model, const FrameModel& by_other_rays,
-                     const std::vector<CatalogEntry>& catalog, const FitState& state,
-                     NormalEquations& equations);
+// Returns numerical errors of the score, one vector per pose: its difference from the score by other rays,
+// over the square root of 2. Both models have the same frames and are about one point.
+std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameModel& by_other_rays,
+                                         const std::vector<CatalogEntry>& catalog, const FitState& state);
 
 // Half the sum of squares of a frame, without a problem and without priors; and of the first `frames` frames.
 double CostOfFrame(const FrameModel& model, const ParameterValues& values, int frame);
