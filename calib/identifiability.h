@@ -18,8 +18,8 @@ struct NormalEquations {
     Eigen::VectorXd score;        // J_b^T r_b
   };
   Eigen::MatrixXd information;  // J^T J
-  Eigen::VectorXd prior;      // 1 / variance of the prior; empty: no priors
-  std::vector<Block> blocks;  // blocks in which a residual depends on a parameter
+  Eigen::VectorXd prior;        // 1 / variance of the prior; empty: no priors
+  std::vector<Block> blocks;    // blocks in which a residual depends on a parameter
   // Factor of the variance for what blocks share with their neighbours (BlockPixels).
   double variance_factor = 1.0;
   // Independent numerical errors of the summed score, as vectors: the sum of their outer products is its

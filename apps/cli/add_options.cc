@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/text/nearest_word.h"
 #include "core/types/printable.h"
 #include "data_io/files/file_bytes.h"
 #include "data_io/images/image_io.h"
@@ -44,20 +43,6 @@ std::string OptionFlag(std::string_view name) {
   std::string flag = "--" + std::string(name);
   std::ranges::replace(flag, '_', '-');
   return flag;
-}
-
-std::string UnknownWord(std::string_view found, const std::string& expected) {
-  // "frustum|beams", or "materials|noise, separated by commas" of which one item is wrong.
-  std::vector<std::string> words;
-  if (expected.find('|') != std::string::npos)
-    words = CLI::detail::split(expected.substr(0, expected.find(',')), '|');
-  std::string wrong(found);
-  for (const std::string& item : CLI::detail::split(wrong, ',')) {
-    if (std::ranges::find(words, item) != words.end()) continue;
-    wrong = item;
-    break;
-  }
-  return fmt::format("'{}'{}", Printable(found), ExpectedWord(wrong, words, expected));
 }
 
 CLI::Option* AddFrames(CLI::App& command, FrameList& frames, const std::string& what) {

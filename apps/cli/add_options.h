@@ -18,6 +18,7 @@
 
 #include "apps/workflow/comparison_options.h"
 #include "calib/parameters/fit_config.h"
+#include "core/text/nearest_word.h"
 #include "core/types/frame_list.h"
 #include "core/types/mask.h"
 #include "core/types/option.h"
@@ -65,9 +66,6 @@ namespace sonarcal::cli {
 
 // Converts "region_range" to "--region-range".
 std::string OptionFlag(std::string_view name);
-
-// Returns "'found', expected frustum|beams; did you mean 'beams'?". `expected` may be no list of words.
-std::string UnknownWord(std::string_view found, const std::string& expected);
 
 // Adds one option. `value` holds the default and receives the value.
 template <typename T>

@@ -16,6 +16,7 @@
 #include "apps/python/json_objects.h"
 #include "apps/workflow/comparison_options.h"
 #include "calib/parameters/fit_config.h"
+#include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "core/types/frame_list.h"
 #include "core/types/mask.h"
@@ -302,7 +303,7 @@ T OptionFromObject(const OptionInfo& info, const pybind11::object& object) {
     } else {
       is_read = OptionObject<T>::From(object, value);
     }
-    if (!is_read) throw UsageError("{} '{}', expected {}", info.name, ShortText(object), expected);
+    if (!is_read) throw UsageError("{} {}", info.name, UnknownWord(ShortText(object), expected));
     if constexpr (std::is_arithmetic_v<T>) {
       const double number = static_cast<double>(value);
       if (!(number >= info.min && number <= info.max))

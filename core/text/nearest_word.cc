@@ -6,6 +6,8 @@
 #include <cctype>
 #include <utility>
 
+#include "core/types/printable.h"
+
 namespace sonarcal {
 namespace {
 
@@ -16,6 +18,18 @@ std::string Folded(std::string_view text) {
   std::string folded(text);
   for (char& c : folded) c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return folded;
+}
+
+std::vector<std::string> Split(std::string_view text, char at) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == at) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
 }
 
 }  // namespace
@@ -61,6 +75,20 @@ std::string ExpectedWord(std::string_view text, const std::vector<std::string>& 
   if (!nearest) return fmt::format(", expected {}", expected);
   if (expected.size() > kShortList) return fmt::format(", did you mean '{}'?", *nearest);
   return fmt::format(", expected {}; did you mean '{}'?", expected, *nearest);
+}
+
+std::string UnknownWord(std::string_view found, const std::string& expected) {
+  // "frustum|beams", or "materials|noise, separated by commas" of which one item is wrong.
+  std::vector<std::string> words;
+  if (expected.find('|') != std::string::npos)
+    words = Split(std::string_view(expected).substr(0, expected.find(',')), '|');
+  std::string wrong(found);
+  for (const std::string& item : Split(found, ',')) {
+    if (std::ranges::find(words, item) != words.end()) continue;
+    wrong = item;
+    break;
+  }
+  return fmt::format("'{}'{}", Printable(found), ExpectedWord(wrong, words, expected));
 }
 
 }  // namespace sonarcal

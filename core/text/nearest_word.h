@@ -26,4 +26,8 @@ std::optional<std::string> NearestWord(std::string_view text, const std::vector<
 std::string ExpectedWord(std::string_view text, const std::vector<std::string>& words,
                          std::string expected = {});
 
+// Returns "'found', expected frustum|beams; did you mean 'beams'?". `expected`: words with '|' between them,
+// of which `found` may hold several with commas between them; or any other text.
+std::string UnknownWord(std::string_view found, const std::string& expected);
+
 }  // namespace sonarcal

@@ -41,7 +41,7 @@ constexpr double kLargestKs = 0.05;
 constexpr int kSearchSteps = 40;
 
 // As above for other patterns of the beam, from where the search ended.
-constexpr int kPatternSteps = 3;
+constexpr int kPatternSteps = 8;
 
 // A mirror that loses more than this shows no ghosts.
 constexpr double kNoMirrorDb = 40.0;
@@ -558,6 +558,8 @@ class Calibrator {
       return IsPlacementName(start.first) && std::ranges::find(kept, start.first) == kept.end();
     });
     plan_.fit.start = taken.start;
+    if (!poses && kept.empty())
+      return {"poses, geometry and objects as declared", "none of them moves by two standard errors"};
     if (poses && !left.empty()) {
       listener_.Message(fmt::format("placement: again, with {} as declared", Names(left)));
       calib::FitOptions near = Near();

@@ -72,7 +72,13 @@ TEST_F(TankWithMirrors, NoMirrorNoGhosts) {
   EXPECT_EQ(simulator_.Render(pose_, parameters_).value, without) << "'mirror' is no material of the tank";
   EXPECT_EQ(simulator_.caster().rays_cast() - before, 2 * simulator_.fan().size());
   EXPECT_TRUE(simulator_.TraceGhosts(pose_, parameters_).echoes.empty());
-  EXPECT_EQ(simulator_.RenderEchoes(simulator_.TraceEchoes(pose_), none).value, without);
+  const EchoList echoes = simulator_.TraceEchoes(pose_);
+  const Grid<float> of_echoes = simulator_.RenderEchoes(echoes, none).value;
+  EXPECT_EQ(simulator_.RenderEchoes(echoes, parameters_).value, of_echoes);
+  // Both ways add the same echoes, but round them differently. Which power then lies on the edge of a grey
+  // level depends on the processor: on one of them a single pixel differed.
+  for (std::size_t pixel = 0; pixel < without.size(); ++pixel)
+    EXPECT_NEAR(of_echoes.values()[pixel], without.values()[pixel], 1.0) << pixel;
 }
 
 // Expected and sampled images show the ghosts; a mirror that loses everything is none.
