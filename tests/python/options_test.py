@@ -92,7 +92,7 @@ WRONG = [
     ("looks", "2", "looks '2', expected a number"),
     ("looks", float("nan"), "looks 'nan', expected a number"),
     ("trust_all", 1, "trust_all '1', expected True or False"),
-    ("segmentation", "otsi", r"segmentation 'otsi', expected .*otsu"),
+    ("segmentation", "otsi", r"segmentation 'otsi', did you mean 'otsu'"),
     ("segmentation", 3, r"segmentation '3', expected .*otsu"),
     ("cell", (1, 2, 3), r"cell '\(1, 2, 3\)', expected \(range bins, beams\)"),
     ("cell", (1.5, 2), r"cell '\(1.5, 2\)', expected \(range bins, beams\)"),
