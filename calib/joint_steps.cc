@@ -68,7 +68,7 @@ class Stepper {
     const auto promised = [&](const Eigen::ArrayXd& step) {
       return -(along.slope * step + 0.5 * along.curvature * step.square()).sum();
     };
-    bool pulls = true;  // goes towards the priors too
+    bool pulls = true;  // whether the step also goes towards the priors
     for (int i = 0; i < kTries; ++i) {
       const Eigen::ArrayXd step = step_with(pulls ? pull_ : 0.0);
       if (promised(step) < least) return std::nullopt;
@@ -79,8 +79,12 @@ class Stepper {
         damping_ = std::max(damping_ / (kHarder * kHarder), kLeastDamping);
         return trial;
       }
-      (pulls ? pull_ : damping_) *= pulls ? 1.0 / kHarder : kHarder;
-      pulls = promised(step_with(0.0)) < least;
+      if (pulls) {
+        pull_ /= kHarder;
+      } else {
+        damping_ *= kHarder;
+      }
+      pulls = promised(step_with(0.0)) < least;  // then only the way to the priors is left
     }
     return std::nullopt;
   }

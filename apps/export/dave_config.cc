@@ -13,6 +13,7 @@
 
 #include <pugixml.hpp>
 
+#include "apps/export/dave_echo.h"
 #include "apps/export/even_fan.h"
 #include "apps/export/export_words.h"
 #include "apps/export/simulator_configs.h"
@@ -25,8 +26,6 @@ namespace {
 
 constexpr double kLambert = 2.0;
 constexpr double kDefaultReflectivity = 1e-3;  // default of the plugin, for materials not in its table
-constexpr double kAbsorptionDbPerM = 0.0354;   // fixed in the plugin
-constexpr int kRaySkips = 1;                   // uses every row of rays; the plugin's default is 10
 
 // Returns mu of each material. The paper's model has levels of rays, not of areas, so only ratios are known.
 // The strongest is set to the plugin's default.
@@ -103,7 +102,7 @@ ExportedConfig ExportToDave(const ExportSource& source, const std::string& name)
   AddElement(plugin, "soundSpeed", sonar.sound_speed_m_per_s);
   AddElement(plugin, "maxDistance", sonar.axes.range_max_m);
   AddElement(plugin, "sourceLevel", parameters.source_level_db);
-  AddElement(plugin, "raySkips", kRaySkips);
+  AddElement(plugin, "raySkips", kDaveRaySkips);
   AddElement(plugin, "constantReflectivity", "false");
   AddElement(plugin, "customSDFTagReflectivity", "true");
   AddElement(plugin, "customSDFTagDatabaseFile", name + table_suffix);
@@ -136,18 +135,7 @@ ExportedConfig ExportToDave(const ExportSource& source, const std::string& name)
           ? "; ratios of materials alone, as the paper's model has levels of rays, not of areas"
           : "",
       account);
-  if (parameters.model != EchoModel::kPaper && parameters.receiver.looks == 1.0) {
-    account.Exported("receiver.looks", "", "DAVE's speckle is of one look");
-  } else {
-    account.Approximated("receiver.looks", "", "DAVE's speckle is of one look");
-  }
-  account.Approximated("pulse.", "plugin/bandwidth",
-                       "the pulse is one bin long, and shaded by a Hamming window");
-  const std::string absorption = fmt::format("DAVE's absorption is fixed at {} dB/m, ours is {:.4g} dB/m",
-                                             kAbsorptionDbPerM, source.absorption_db_per_m);
-  account.NotExpressed("absorption_db_per_m", absorption);
-  account.NotExpressed("water.", absorption);
-  AccountForTheRest("DAVE", account);
+  AccountForDaveEcho(source, "plugin/bandwidth", account);
 
   const std::string remarks = fmt::format(
       "Put {}{} into worlds/ of nps_uw_multibeam_sonar, and give each model of the world\n"

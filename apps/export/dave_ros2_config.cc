@@ -14,6 +14,7 @@
 
 #include <pugixml.hpp>
 
+#include "apps/export/dave_echo.h"
 #include "apps/export/even_fan.h"
 #include "apps/export/export_words.h"
 #include "apps/export/sdf_world.h"
@@ -23,9 +24,6 @@
 
 namespace sonarcal::exporting {
 namespace {
-
-constexpr double kAbsorptionDbPerM = 0.0354;  // fixed in the plugin
-constexpr int kRaySkips = 1;                  // uses every row of rays; the plugin's default is 10
 
 int Odd(int count) {
   return count % 2 == 0 ? count + 1 : count;
@@ -62,7 +60,7 @@ void AddSpec(pugi::xml_node sonar, const ExportSource& source, const EvenFan& fa
   AddElement(spec, "soundSpeed", model.sound_speed_m_per_s);
   AddElement(spec, "maxDistance", model.axes.range_max_m);
   AddElement(spec, "sourceLevel", source.parameters.source_level_db);
-  AddElement(spec, "raySkips", kRaySkips);
+  AddElement(spec, "raySkips", kDaveRaySkips);
 }
 
 void AccountForFan(const EvenFan& fan, int rows, ExportAccount& account) {
@@ -89,7 +87,6 @@ void AccountForFan(const EvenFan& fan, int rows, ExportAccount& account) {
 }  // namespace
 
 ExportedConfig ExportToDaveRos2(const ExportSource& source, const std::string& name) {
-  const ParameterSet& parameters = source.parameters;
   const PolarAxes& axes = source.sonar.axes;
   const EvenFan fan = EvenFanOf(source);
   const int rows = Odd(std::max(3, static_cast<int>(std::lround(fan.elevation_deg / fan.spacing_deg()))));
@@ -126,18 +123,7 @@ ExportedConfig ExportToDaveRos2(const ExportSource& source, const std::string& n
       "a beam is as wide as its spacing, {:.4g} degrees, with DAVE's own pattern", fan.spacing_deg());
   account.Approximated("sonar.azimuth_beam_width_deg", "", width);
   account.Approximated("beam.azimuth_", "", width);
-  if (parameters.model != EchoModel::kPaper && parameters.receiver.looks == 1.0) {
-    account.Exported("receiver.looks", "", "DAVE's speckle is of one look");
-  } else {
-    account.Approximated("receiver.looks", "", "DAVE's speckle is of one look");
-  }
-  account.Approximated("pulse.", "spec/bandwidth",
-                       "the pulse is one bin long, and shaded by a Hamming window");
-  const std::string absorption = fmt::format("DAVE's absorption is fixed at {} dB/m, ours is {:.4g} dB/m",
-                                             kAbsorptionDbPerM, source.absorption_db_per_m);
-  account.NotExpressed("absorption_db_per_m", absorption);
-  account.NotExpressed("water.", absorption);
-  AccountForTheRest("DAVE", account);
+  AccountForDaveEcho(source, "spec/bandwidth", account);
 
   config.files.push_back(
       {"",

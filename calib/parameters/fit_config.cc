@@ -62,17 +62,17 @@ void ForMatches(const std::string& pattern, const std::vector<CatalogEntry>& cat
     act(i);
   }
   if (any) return;
+  std::vector<std::string> words = {"materials",    "noise",   "psf",      "mirrors",
+                                    "pose",         "mount",   "geometry", "object:NODE",
+                                    "outline:NODE", "display", "jitter",   "source_level"};
+  const std::string groups = fmt::format("{}", fmt::join(words, ", "));
   std::vector<std::string> names;
   for (const CatalogEntry& entry : catalog) names.push_back(entry.name);
-  std::vector<std::string> words = {"materials", "noise",    "psf",     "mirrors", "pose",
-                                    "mount",     "geometry", "display", "jitter",  "source_level"};
   words.insert(words.end(), names.begin(), names.end());
-  throw DataError(
-      "fit: no parameter is called '{}'{}", pattern,
-      ExpectedWord(pattern, words,
-                   fmt::format("a group (materials, noise, psf, mirrors, pose, mount, geometry, object:NODE, "
-                               "outline:NODE, display, jitter, source_level), or a name or pattern among {}",
-                               fmt::join(names, ", "))));
+  throw DataError("fit: no parameter is called '{}'{}", pattern,
+                  ExpectedWord(pattern, words,
+                               fmt::format("a group ({}), or a name or pattern among {}", groups,
+                                           fmt::join(names, ", "))));
 }
 
 // How closely a pattern that matches the entry names it: the name itself most, then a pattern by its
