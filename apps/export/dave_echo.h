@@ -1,4 +1,4 @@
-// What both versions of DAVE's multibeam sonar (dave_config.cc, dave_ros2_config.cc) have in common.
+// Common parts of both versions of DAVE's multibeam sonar (dave_config.cc, dave_ros2_config.cc).
 #pragma once
 
 #include <string>

@@ -76,8 +76,8 @@ TEST_F(TankWithMirrors, NoMirrorNoGhosts) {
   const EchoList echoes = simulator_.TraceEchoes(pose_);
   EXPECT_EQ(simulator_.RenderEchoes(echoes, parameters_).value, simulator_.RenderEchoes(echoes, none).value);
   // A list of echoes gives the powers of the one pass in Render only to single precision
-  // (sim/acoustic/acoustic_frame.h). So powers are compared, within the bound of the tests of that file, and not
-  // grey levels, which round them.
+  // (sim/acoustic/acoustic_frame.h). So powers are compared, within the bound of the tests of that file.
+  // Grey levels would round them.
   const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
   const Grid<double> of_echoes = ThroughPulse(simulator_.Scatter(echoes, none), geometry, none).power;
   const Grid<double> in_one_pass =
