@@ -5,9 +5,10 @@
 // levels. So it must in other pictures if the outline is clearer then. Pixels that are lit in any of up to 32
 // frames count.
 //
-// Two kinds of parts are left out as overlay, in pictures of up to 16 million pixels. Small parts that are the
-// same in all frames, such as range labels in a video, if most lit pixels change. And parts beside, below or
-// beyond the fan, if the outline without them is clearer, or as clear and they are as low as text.
+// Two kinds of parts are left out as overlay, in pictures of up to 16 million pixels. One is small parts that
+// are the same in all frames, such as range labels in a video, if most lit pixels change. The other is parts
+// beside, below or beyond the fan, if the outline without them is clearer, or if it is as clear and they are
+// as low as text.
 #pragma once
 
 #include <array>
