@@ -19,6 +19,7 @@
 #include "calib/models/move_slopes.h"
 #include "calib/noise/noise_fit.h"
 #include "calib/parameters/object_placement.h"
+#include "calib/selection/declared_values.h"
 #include "calib/selection/model_choice.h"
 #include "calib/selection/model_variants.h"
 #include "core/types/error.h"
@@ -30,9 +31,6 @@ namespace {
 using calib::FitConfig;
 using calib::FittedParameter;
 using calib::ParameterStatus;
-
-// A value that is closer to what is declared than this many standard errors stays as declared.
-constexpr double kSigmasToMove = 2.0;
 
 // Largest KS distance of a noise law that is found in the frames themselves.
 constexpr double kLargestKs = 0.05;
@@ -76,11 +74,6 @@ bool IsAngle(const std::string& name) {
   return name.ends_with("_deg");
 }
 
-double Moved(const FittedParameter& parameter) {
-  const double moved = parameter.value - parameter.initial;
-  return IsAngle(parameter.name) ? std::remainder(moved, 360.0) : moved;
-}
-
 // Scatter of the corrections of the recorded poses about the correction that all have in common, which
 // belongs to a mount or to the geometry.
 calib::PosePrior ScatterOfPoses(const calib::FitReport& report) {
@@ -94,7 +87,7 @@ calib::PosePrior ScatterOfPoses(const calib::FitReport& report) {
     std::vector<double> moves;
     for (const FittedParameter& parameter : report.parameters) {
       if (parameter.name.starts_with("pose.") && Component(parameter.name) == component && parameter.sigma)
-        moves.push_back(Moved(parameter));
+        moves.push_back(calib::Moved(parameter));
     }
     if (moves.size() < 2) continue;
     double mean = 0.0;
@@ -133,18 +126,6 @@ std::vector<std::string> UndeterminedIn(const calib::FitReport& report) {
     if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
   }
   return names;
-}
-
-// Root mean square of the corrections of the poses, in standard errors.
-double PosesMovedBySigmas(const calib::FitReport& report) {
-  double squares = 0.0;
-  int count = 0;
-  for (const FittedParameter& parameter : report.parameters) {
-    if (!parameter.name.starts_with("pose.") || !parameter.sigma) continue;
-    squares += std::pow(Moved(parameter) / *parameter.sigma, 2);
-    ++count;
-  }
-  return count == 0 ? 0.0 : std::sqrt(squares / count);
 }
 
 class Calibrator {
@@ -360,8 +341,8 @@ class Calibrator {
     return options;
   }
 
-  // Poses, geometry of the sonar and objects: all are tried together, and those that the frames do not move
-  // by two standard errors stay as declared.
+  // Poses, geometry of the sonar and objects: all are tried together, and those that the frames agree with stay
+  // as declared.
   CalibrationDecision ChoosePlacement() {
     std::vector<std::string> objects = MovableObjects(scene_);
     if (!options_.target.empty()) objects = {options_.target};
@@ -533,33 +514,39 @@ class Calibrator {
     }
   }
 
-  // Frees the values that moved, and starts the last fit there. The others go back to their declared values,
-  // and the poses are then fitted again.
+  // Frees what was declared wrongly, and starts the last fit at the values found. All else goes back to what is
+  // declared, and the poses are then fitted again. Values that the frames agree with stay free if another
+  // value of their origin is wrong: as known ones, they would make standard errors too small.
   CalibrationDecision TakePlacement(HeldOutTrials& trials, const Trial& moved, const FitConfig& config,
                                     const calib::LikelihoodDifference& gain) {
-    std::vector<std::string> kept;
+    const std::vector<std::string> wrong =
+        calib::ContradictedOrigins(calib::DeclaredPlacement(moved.fit.report));
+    const auto is_wrong = [&](const std::string& name) {
+      return std::ranges::find(wrong, calib::OriginOf(name)) != wrong.end();
+    };
     std::vector<std::string> left;
-    const bool poses = PosesMovedBySigmas(moved.fit.report) > kSigmasToMove;
+    for (const FittedParameter& parameter : moved.fit.report.parameters) {
+      const std::string origin = calib::OriginOf(parameter.name);
+      if (origin.empty() || parameter.status == ParameterStatus::kFixed) continue;
+      if (!is_wrong(parameter.name)) {
+        if (std::ranges::find(left, origin) == left.end()) left.push_back(origin);
+      } else if (!parameter.name.starts_with("pose.")) {
+        plan_.fit.free->push_back(parameter.name);
+      }
+    }
+    const bool poses = is_wrong("pose.");
     if (poses) {
       plan_.fit.free->push_back("pose");
       plan_.fit.pose_prior = config.pose_prior;
     }
-    for (const FittedParameter& parameter : moved.fit.report.parameters) {
-      if (!parameter.name.starts_with("geometry.") && !parameter.name.starts_with("object.")) continue;
-      const bool moves = parameter.sigma && std::abs(Moved(parameter)) > kSigmasToMove * *parameter.sigma;
-      (moves ? kept : left).push_back(parameter.name);
-      if (moves) plan_.fit.free->push_back(parameter.name);
-    }
     FitConfig taken = plan_.fit;
     taken.start.clear();
     StartAt(moved.fit.report, taken);
-    std::erase_if(taken.start, [&](const auto& start) {
-      if (start.first.starts_with("pose.")) return !poses;
-      return IsPlacementName(start.first) && std::ranges::find(kept, start.first) == kept.end();
-    });
+    std::erase_if(taken.start,
+                  [&](const auto& start) { return IsPlacementName(start.first) && !is_wrong(start.first); });
     plan_.fit.start = taken.start;
-    if (!poses && kept.empty())
-      return {"poses, geometry and objects as declared", "none of them moves by two standard errors"};
+    constexpr const char* kAgree = "the frames agree with what is declared";
+    if (wrong.empty()) return {"poses, geometry and objects as declared", kAgree};
     if (poses && !left.empty()) {
       listener_.Message(fmt::format("placement: again, with {} as declared", Names(left)));
       calib::FitOptions near = Near();
@@ -568,15 +555,16 @@ class Calibrator {
     } else if (poses) {
       StartWithPoses(moved);
     }
+    std::string choice = Names(wrong) + " fitted";
+    if (poses)
+      choice += fmt::format("; recorded poses scatter by {:.3g} m and {:.2g} degrees",
+                            config.pose_prior.position_m, config.pose_prior.angle_deg);
     std::vector<std::string> open;
-    if (!left.empty())
-      open.push_back(fmt::format("{}: within two standard errors of what is declared", Names(left)));
-    std::string choice =
-        poses ? fmt::format("poses fitted, recorded ones scatter by {:.3g} m and {:.2g} degrees; ",
-                            config.pose_prior.position_m, config.pose_prior.angle_deg)
-              : "poses as recorded; ";
-    return {choice + "moved: " + Names(kept),
-            plan_.fit.held_out->empty() ? "no frame is held out" : GainText(gain), open};
+    if (!left.empty()) {
+      choice += fmt::format("; {} as declared", Names(left));
+      open.push_back(fmt::format("{}: {}", Names(left), kAgree));
+    }
+    return {choice, plan_.fit.held_out->empty() ? "no frame is held out" : GainText(gain), open};
   }
 
   // Takes the values of a trial with free poses, those of the held-out frames included.
