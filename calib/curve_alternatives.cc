@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "calib/fit_starts.h"
+#include "calib/models/one_curve_model.h"
 #include "calib/solve.h"
 #include "sim/physics/gsab.h"
 
@@ -97,8 +98,8 @@ class Search {
       : catalog_(catalog),
         point_(point),
         stop_(stop),
-        coarse_(model.CoarseAbout(point.values, kCoarsePixels)) {
-    model_ = coarse_ != nullptr ? coarse_.get() : &model;
+        coarse_(model.CoarseAbout(point.values, kCoarsePixels)),
+        whole_(coarse_ != nullptr ? *coarse_ : model) {
     result_.widening.assign(catalog.size(), 1.0);
   }
 
@@ -106,8 +107,14 @@ class Search {
     std::vector<Optimum> better;
     for (const MaterialEntries& material : Materials()) {
       if (material.inside.empty()) continue;
+      const std::unique_ptr<OneCurveModel> of_curve = whole_.OfCurve(material.material, point_.values);
+      model_ = of_curve != nullptr ? of_curve.get() : &whole_;
+      guide_ = nullptr;
       const std::optional<Optimum> base = Solve(material.free, point_.values, kExchangeIterations);
       if (!base) continue;
+      const std::unique_ptr<FrameModel> quadratic =
+          of_curve != nullptr ? of_curve->Quadratic(base->values) : nullptr;
+      guide_ = quadratic.get();
       const Eigen::MatrixXd information = Information(material, base->values);
       if (!(information.diagonal().minCoeff() > 0.0)) continue;
       std::vector<bool> open(catalog_.size(), false);
@@ -147,10 +154,10 @@ class Search {
     double cost = 0.0;
     if (!active.empty()) {
       const double about = std::max(1.0, CostAt(*model_, start, model_->frame_count()));
-      const SolveSummary summary = SolveFit(
-          *model_, catalog_,
-          {.function_tolerance = std::min(1e-4, kCostTolerance / about), .max_iterations = max_iterations},
-          stop_, state);
+      const SolveLimits limits{.function_tolerance = std::min(1e-4, kCostTolerance / about),
+                               .max_iterations = max_iterations};
+      if (guide_ != nullptr) SolveFit(*guide_, catalog_, limits, stop_, state);
+      const SolveSummary summary = SolveFit(*model_, catalog_, limits, stop_, state);
       if (!summary.usable) return std::nullopt;
     }
     cost = CostAt(*model_, state.values, model_->frame_count());
@@ -285,7 +292,9 @@ class Search {
   const FittedPoint& point_;
   const std::function<bool()>& stop_;
   std::unique_ptr<FrameModel> coarse_;
-  const FrameModel* model_ = nullptr;
+  const FrameModel& whole_;
+  const FrameModel* model_ = nullptr;  // for the material that is tested
+  const FrameModel* guide_ = nullptr;  // approximation of it, or none
   CurveAlternatives result_;
 };
 

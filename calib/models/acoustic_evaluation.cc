@@ -25,23 +25,12 @@ GsabParameters<ceres::Jet<double, sim::kCurveTerms - 1>> AsDuals(const GsabParam
 }
 
 std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::vector<std::string>& names) {
-  using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
-  const std::vector<double>& nodes_deg = sim::CoarseIncidenceDeg();
-  std::vector<double> table(names.size() * nodes_deg.size() * sim::kCurveStride, 0.0);
-  double* at = table.data();
-  for (const std::string& name : names) {
-    const GsabParameters<Dual> gsab = AsDuals(parameters.materials.at(name).gsab);
-    for (const double node_deg : nodes_deg) {
-      const Dual power = sim::GsabPower(gsab, node_deg);
-      at[0] = power.a;
-      std::copy(power.v.begin(), power.v.end(), at + 1);
-      at += sim::kCurveStride;
-    }
-  }
+  std::vector<double> table;
+  for (const std::string& name : names) AppendCurve(parameters.materials.at(name).gsab, table);
   return table;
 }
 
-// As above, for the two parts of each material, one after the other (sim/gathered/ghost_echoes.h). A node of
+// As TabulateCurves, for the two parts of each material, one after the other (sim/gathered/ghost_echoes.h). A node of
 // the slow part is the angle of a mean cosine.
 std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vector<std::string>& names) {
   using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
@@ -76,6 +65,16 @@ std::vector<double> PassedByWays(const ParameterSet& parameters, const std::vect
 }
 
 }  // namespace
+
+void AppendCurve(const GsabParameters<double>& gsab, std::vector<double>& table) {
+  const auto duals = AsDuals(gsab);
+  for (const double node_deg : sim::CoarseIncidenceDeg()) {
+    const auto power = sim::GsabPower(duals, node_deg);
+    table.push_back(power.a);
+    table.insert(table.end(), power.v.begin(), power.v.end());
+    table.resize(table.size() + sim::kCurveStride - sim::kCurveTerms, 0.0);
+  }
+}
 
 AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEchoes& echoes,
                                        const RecordedFrame& recorded, std::span<const int> active,

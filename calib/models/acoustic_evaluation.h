@@ -57,6 +57,9 @@ struct AcousticState {
   bool clips = true;             // whether pixels may be clipped by the display
 };
 
+// Appends the power of a curve and its derivatives by A to F, kCurveStride values per coarse incidence node.
+void AppendCurve(const GsabParameters<double>& gsab, std::vector<double>& table);
+
 class AcousticEvaluation final : public FrameEvaluation {
  public:
   // Echoes and recorded frame must outlive the evaluation.
@@ -67,6 +70,11 @@ class AcousticEvaluation final : public FrameEvaluation {
 
   // Mean power of every pixel.
   std::vector<double> Means() const;
+
+  // Factor of the power of echoes in a range bin.
+  double gain(int bin) const { return gain_[bin]; }
+  // kCurveStride values per coarse incidence node and material, as AppendCurve makes them.
+  const std::vector<double>& curves() const { return curves_; }
 
  private:
   // Kind of a Jacobian column.

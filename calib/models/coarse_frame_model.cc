@@ -101,16 +101,22 @@ CoarseFrameModel::CoarseFrame CoarseFrameModel::Gather(int frame, const FrameEch
     });
     coarse.power.push_back({.power = counted > 0 ? power / counted : 0.0});
     coarse.use.push_back(counted > 0 ? 1 : 0);
-    coarse.weight.push_back(static_cast<float>(weight / (block_.bins * block_.beams)));
+    coarse.weight.push_back(static_cast<float>(weight / PixelsOfBlock()));
   });
   return coarse;
 }
 
 std::unique_ptr<FrameEvaluation> CoarseFrameModel::At(int frame, const ParameterValues& values,
                                                       std::span<const int> active, Terms wanted) const {
+  return Evaluation(frame, values, active, wanted);
+}
+
+std::unique_ptr<AcousticEvaluation> CoarseFrameModel::Evaluation(int frame, const ParameterValues& values,
+                                                                 std::span<const int> active,
+                                                                 Terms wanted) const {
   ParameterSet parameters = fine_.Parameters(values);
   ReceiverParameters& receiver = parameters.receiver;
-  receiver.looks *= block_.bins * block_.beams;
+  receiver.looks *= PixelsOfBlock();
   receiver.noise_taper_db = CoarseTaper(receiver.noise_taper_db, block_.beams);
   receiver.noise_after_gain_taper_db = CoarseTaper(receiver.noise_after_gain_taper_db, block_.beams);
   const AcousticState state{.catalog = catalog(),
@@ -127,6 +133,38 @@ std::unique_ptr<FrameEvaluation> CoarseFrameModel::At(int frame, const Parameter
       state, of.echoes,
       RecordedFrame{.power = of.power, .use = of.use, .weight = of.weight, .repeat_share = {}},
       differentiated, wanted);
+}
+
+std::unique_ptr<OneCurveModel> CoarseFrameModel::OfCurve(int material, const ParameterValues& values) const {
+  const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
+  const std::uint32_t first_node = nodes * static_cast<std::uint32_t>(material);
+  OneCurvePixels pixels;
+  pixels.looks = PixelsOfBlock() * fine_.Parameters(values).receiver.looks;
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    const CoarseFrame& of = frames_[frame];
+    if (!of.echoes.ghosts.empty()) return nullptr;
+    const auto evaluation = Evaluation(frame, values, {}, Terms::kResiduals);
+    const std::vector<double> means = evaluation->Means();
+    for (std::size_t pixel = 0; pixel < means.size(); ++pixel) {
+      if (of.use[pixel] == 0) continue;
+      const double gain = evaluation->gain(static_cast<int>(pixel) / beams());
+      double shown = 0.0;
+      for (std::uint32_t e = of.echoes.at_point.start[pixel]; e < of.echoes.at_point.start[pixel + 1]; ++e) {
+        const auto [node, weight] = of.echoes.at_point.entries[e];
+        if (node < first_node || node >= first_node + nodes) continue;
+        const auto amplified = static_cast<float>(gain * weight);
+        pixels.echoes.entries.push_back({node - first_node, amplified});
+        shown += amplified * evaluation->curves()[std::size_t{sim::kCurveStride} * node];
+      }
+      const auto end = static_cast<std::uint32_t>(pixels.echoes.entries.size());
+      if (end == pixels.echoes.start.back()) continue;
+      pixels.echoes.start.push_back(end);
+      pixels.rest.push_back(means[pixel] - shown);
+      pixels.power.push_back(of.power[pixel].power);
+      pixels.weight.push_back(of.weight[pixel]);
+    }
+  }
+  return std::make_unique<OneCurveModel>(*this, material, std::move(pixels));
 }
 
 }  // namespace sonarcal::calib

@@ -17,6 +17,7 @@
 #include "calib/models/acoustic_evaluation.h"
 #include "calib/models/acoustic_frame_model.h"
 #include "calib/models/frame_model.h"
+#include "calib/models/one_curve_model.h"
 
 namespace sonarcal::calib {
 
@@ -52,6 +53,8 @@ class CoarseFrameModel final : public FrameModel {
   bool IsLikelihood() const override { return true; }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
+  // Null if there are ghosts: they show materials by way of others.
+  std::unique_ptr<OneCurveModel> OfCurve(int material, const ParameterValues& values) const override;
 
  private:
   struct CoarseFrame {
@@ -60,6 +63,8 @@ class CoarseFrameModel final : public FrameModel {
     std::vector<std::uint8_t> use;
     std::vector<float> weight;
   };
+  std::unique_ptr<AcousticEvaluation> Evaluation(int frame, const ParameterValues& values,
+                                                 std::span<const int> active, Terms wanted) const;
   CoarseFrame Gather(int frame, const FrameEchoes& fine) const;
   // Echoes of the used pixels of each block, node by node, as a mean over those pixels.
   sim::PixelEchoes BlockEchoes(int frame, const sim::PixelEchoes& fine) const;
@@ -79,6 +84,8 @@ class CoarseFrameModel final : public FrameModel {
       }
     }
   }
+
+  double PixelsOfBlock() const { return static_cast<double>(block_.bins) * block_.beams; }
 
   const AcousticFrameModel& fine_;
   PixelBlock block_;

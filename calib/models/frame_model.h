@@ -40,6 +40,8 @@ class FrameEvaluation {
   virtual bool Bins(int first, int last, PixelTerms& terms) const = 0;
 };
 
+class OneCurveModel;
+
 class FrameModel {
  public:
   virtual ~FrameModel() = default;
@@ -97,6 +99,10 @@ class FrameModel {
                                                   std::size_t wanted_pixels) const {
     return Coarse(wanted_pixels);
   }
+
+  // Returns a model of the pixels that show this material, with everything but its curve fixed at `values`;
+  // null if that would be no cheaper. This model must outlive it.
+  virtual std::unique_ptr<OneCurveModel> OfCurve(int material, const ParameterValues& values) const;
 
   std::size_t pixel_count() const { return static_cast<std::size_t>(range_bins()) * beams(); }
 };

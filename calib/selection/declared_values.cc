@@ -90,7 +90,8 @@ DeclaredValues DeclaredPlacement(const FitReport& report) {
   const auto count = static_cast<Eigen::Index>(moved.size());
   values.moved = Eigen::Map<const Eigen::VectorXd>(moved.data(), count);
   const Eigen::Map<const Eigen::VectorXd> scale(sigma.data(), count);
-  values.covariance = scale.asDiagonal() * report.correlation(of_correlation, of_correlation) * scale.asDiagonal();
+  values.covariance =
+      scale.asDiagonal() * report.correlation(of_correlation, of_correlation) * scale.asDiagonal();
   return values;
 }
 

@@ -104,6 +104,47 @@ TEST_F(CoarseFrameModelTest, AboutAPointItIsThatOfAModelTracedThere) {
   EXPECT_EQ(CostAt(*about, moved, fine.frame_count()), CostAt(*traced, moved, fine.frame_count()));
 }
 
+// Costs differ by a constant, and slopes not at all. Near by, a quadratic form in the power of the nodes agrees.
+TEST_F(CoarseFrameModelTest, AModelOfOneCurveDiffersByAConstant) {
+  const ParameterSet truth = testing::SmallTankAcousticTruth();
+  const AcousticFrameModel fine(simulator_, Frames(truth), truth);
+  const CoarseFrameModel coarse(fine, fine.sonar_at_point(), fine.echoes(), {.bins = 2, .beams = 4});
+  const ParameterValues at = fine.initial_values();
+  const int first = FindEntry(fine.catalog(), "material.floor.gsab.A");
+  ASSERT_GE(first, 0);
+  const auto curve = coarse.OfCurve(fine.catalog()[first].material, at);
+  ASSERT_NE(curve, nullptr);
+  EXPECT_LT(curve->pixel_count(), coarse.pixel_count() * coarse.frame_count());
+  const double constant = CostAt(coarse, at, coarse.frame_count()) - CostAt(*curve, at, 1);
+  FitState state{.active = {}, .values = at};
+  for (int member = 0; member < 6; ++member) {
+    state.active.push_back(first + member);
+    state.values[first + member] *= 1.0 + 0.1 * member;
+  }
+  const double cost = CostAt(coarse, state.values, coarse.frame_count());
+  EXPECT_GT(std::abs(cost - CostAt(coarse, at, coarse.frame_count())), 1.0);
+  EXPECT_NEAR(CostAt(*curve, state.values, 1), cost - constant, 1e-4);
+  const CostSlopes of_all = SlopesOfCost(coarse, fine.catalog(), state);
+  const CostSlopes of_curve = SlopesOfCost(*curve, fine.catalog(), state);
+  EXPECT_TRUE(of_curve.gradient.isApprox(of_all.gradient, 1e-5)) << of_curve.gradient - of_all.gradient;
+  EXPECT_TRUE(of_curve.information.isApprox(of_all.information, 1e-5));
+
+  const auto quadratic = curve->Quadratic(at);
+  ASSERT_NE(quadratic, nullptr);
+  EXPECT_NEAR(CostAt(*quadratic, at, 1), CostAt(*curve, at, 1), 1e-6);
+  state.values = at;
+  const CostSlopes of_quadratic = SlopesOfCost(*quadratic, fine.catalog(), state);
+  EXPECT_TRUE(of_quadratic.gradient.isApprox(SlopesOfCost(*curve, fine.catalog(), state).gradient, 1e-5));
+  // Of the change of the cost, its second order counts, and a third order is left.
+  for (const double step : {0.01, 0.02}) {
+    for (int member = 0; member < 6; ++member)
+      state.values[first + member] = at[first + member] * (1.0 + step);
+    const double change = CostAt(*curve, state.values, 1) - CostAt(*curve, at, 1);
+    const double by_quadratic = CostAt(*quadratic, state.values, 1) - CostAt(*quadratic, at, 1);
+    EXPECT_NEAR(by_quadratic, change, 0.1 * std::abs(change));
+  }
+}
+
 // The best curves of the blocks are those of the pixels, within what these can tell.
 TEST_F(CoarseFrameModelTest, BlocksAreBestExplainedNearThePixelsOptimum) {
   const ParameterSet truth = testing::SmallTankAcousticTruth();

@@ -41,7 +41,8 @@ TEST(DeclaredValues, AnOriginThatIsTrustedChangesTheOthersAsALeastSquaresProblem
   const std::vector<std::string> origins = {"a", "a", "b", "c", "c", "c"};
   int differ = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const Eigen::MatrixXd slopes = Eigen::MatrixXd::NullaryExpr(9, 6, [&](auto, auto) { return normal(random); });
+    const Eigen::MatrixXd slopes =
+        Eigen::MatrixXd::NullaryExpr(9, 6, [&](auto, auto) { return normal(random); });
     const Eigen::VectorXd seen = Eigen::VectorXd::NullaryExpr(9, [&](auto) { return 2.0 * normal(random); });
     std::vector<std::string> left = {"a", "b", "c"};
     std::vector<std::string> first;
