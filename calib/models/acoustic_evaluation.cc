@@ -30,8 +30,8 @@ std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::ve
   return table;
 }
 
-// As TabulateCurves, for the two parts of each material, one after the other (sim/gathered/ghost_echoes.h). A node of
-// the slow part is the angle of a mean cosine.
+// As TabulateCurves, for the two parts of each material, one after the other
+// (sim/gathered/ghost_echoes.h). A node of the slow part is the angle of a mean cosine.
 std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vector<std::string>& names) {
   using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
   const std::vector<double>& nodes_deg = sim::CoarseIncidenceDeg();

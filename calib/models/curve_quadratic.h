@@ -1,5 +1,5 @@
-// Cost of one curve to second order in its power at the incidence nodes. A fit to it takes microseconds, and ends
-// near an optimum of the pixels, from where a fit to them needs few steps.
+// Cost of one curve to second order in its power at the incidence nodes. A fit to it takes microseconds, and
+// ends near an optimum of the pixels, from where a fit to them needs few steps.
 #pragma once
 
 #include <Eigen/Core>

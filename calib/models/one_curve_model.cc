@@ -121,8 +121,7 @@ std::unique_ptr<FrameModel> OneCurveModel::Quadratic(const ParameterValues& valu
     const double information = pixels_.weight[pixel] * pixels_.looks / (mean * mean);
     for (const auto& [row, weight] : entries) {
       cost.gradient(row) += along * weight;
-      for (const auto& [column, other] : entries)
-        cost.curvature(row, column) += information * weight * other;
+      for (const auto& [column, other] : entries) cost.curvature(row, column) += information * weight * other;
     }
     cost.cost += 0.5 * terms.residual[pixel] * terms.residual[pixel];
   }

@@ -1,5 +1,5 @@
-// Pixels that show one material, as a function of its curve alone. Everything else stays, so that a pixel is a
-// sum over the incidence nodes of the curve and a constant:
+// Pixels that show one material, as a function of its curve alone. Everything else stays, so that a pixel is
+// a sum over the incidence nodes of the curve and a constant:
 //
 //   mean = rest + sum over entries of weight x sigma(incidence).
 //

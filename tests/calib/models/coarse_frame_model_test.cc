@@ -104,7 +104,7 @@ TEST_F(CoarseFrameModelTest, AboutAPointItIsThatOfAModelTracedThere) {
   EXPECT_EQ(CostAt(*about, moved, fine.frame_count()), CostAt(*traced, moved, fine.frame_count()));
 }
 
-// Costs differ by a constant, and slopes not at all. Near by, a quadratic form in the power of the nodes agrees.
+// Costs differ by a constant, slopes do not differ. A quadratic form in the power of the nodes agrees nearby.
 TEST_F(CoarseFrameModelTest, AModelOfOneCurveDiffersByAConstant) {
   const ParameterSet truth = testing::SmallTankAcousticTruth();
   const AcousticFrameModel fine(simulator_, Frames(truth), truth);
