@@ -341,8 +341,8 @@ class Calibrator {
     return options;
   }
 
-  // Poses, geometry of the sonar and objects: all are tried together, and those that the frames agree with stay
-  // as declared.
+  // Poses, geometry of the sonar and objects: all are tried together, and those that the frames agree with
+  // stay as declared.
   CalibrationDecision ChoosePlacement() {
     std::vector<std::string> objects = MovableObjects(scene_);
     if (!options_.target.empty()) objects = {options_.target};
@@ -514,8 +514,8 @@ class Calibrator {
     }
   }
 
-  // Frees what was declared wrongly, and starts the last fit at the values found. All else goes back to what is
-  // declared, and the poses are then fitted again. Values that the frames agree with stay free if another
+  // Frees what was declared wrongly, and starts the last fit at the values found. All else goes back to what
+  // is declared, and the poses are then fitted again. Values that the frames agree with stay free if another
   // value of their origin is wrong: as known ones, they would make standard errors too small.
   CalibrationDecision TakePlacement(HeldOutTrials& trials, const Trial& moved, const FitConfig& config,
                                     const calib::LikelihoodDifference& gain) {
