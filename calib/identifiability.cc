@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -16,6 +17,9 @@ namespace {
 
 // Names the parameters with at least this fraction of the largest component of a direction.
 constexpr double kNamedShare = 0.3;
+
+// Number of parameters that a reader can follow in one sentence.
+constexpr std::size_t kMaxNamed = 4;
 
 // Returns the parameters that take part, the largest component first.
 std::vector<int> Participants(const Eigen::VectorXd& direction) {
@@ -28,14 +32,16 @@ std::vector<int> Participants(const Eigen::VectorXd& direction) {
   return order;
 }
 
-// Makes the text "a with the opposite of b".
+// Makes the text "a with the opposite of b". Names the first kMaxNamed of `participants`.
 std::string MovingTogether(const Eigen::VectorXd& direction, const std::vector<int>& participants,
                            const std::vector<std::string>& names) {
   std::string text;
-  for (const int i : participants) {
+  const std::size_t named = std::min(participants.size(), kMaxNamed);
+  for (const int i : std::span(participants).first(named)) {
     const bool same = direction(i) * direction(participants[0]) > 0.0;
     text += fmt::format("{}{}{}", text.empty() ? "" : " with ", same ? "" : "the opposite of ", names[i]);
   }
+  if (named < participants.size()) text += fmt::format(" and {} more", participants.size() - named);
   return text;
 }
 
@@ -187,7 +193,7 @@ std::vector<std::string> OpenDirections(const Eigen::MatrixXd& covariance,
     const Eigen::VectorXd direction = solver.eigenvectors().col(k);
     const std::vector<int> participants = Participants(direction);
     std::string text = MovingTogether(direction, participants, names);
-    if (participants.size() > 1) {
+    if (participants.size() > 1 && participants.size() <= kMaxNamed) {
       std::vector<NamedCoordinate> of;
       for (const int i : participants) of.push_back(coordinates[i]);
       const std::string known = KnownAllTheSame(covariance(participants, participants), of);

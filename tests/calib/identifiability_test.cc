@@ -130,6 +130,20 @@ TEST(OpenDirectionsTest, OfTwoLevelsSeenAsASumOnlyTheSumIsKnown) {
   EXPECT_THAT(words[0], ::testing::HasSubstr("only 1.00 level + 1.00 gain is known, to 0.5"));
 }
 
+TEST(OpenDirectionsTest, NamesFourOfManyThatMoveTogether) {
+  constexpr double kStep = 20.0;
+  const Eigen::MatrixXd information =
+      Eigen::MatrixXd::Identity(6, 6) / (kStep * kStep) + Eigen::MatrixXd::Identity(6, 6) * 4.0;
+  Eigen::VectorXd open(6);
+  open << 6.0, 5.0, -4.0, 3.0, 2.5, 2.2;
+  open.normalize();
+  const Eigen::MatrixXd covariance = (information - 4.0 * open * open.transpose()).inverse();
+  std::vector<NamedCoordinate> coordinates;
+  for (const char* name : {"a", "b", "c", "d", "e", "f"}) coordinates.push_back({name, kStep, false});
+  EXPECT_THAT(OpenDirections(covariance, coordinates),
+              ::testing::ElementsAre("a with b with the opposite of c with d and 2 more"));
+}
+
 TEST(OpenDirectionsTest, IsSilentWhereAllIsSeen) {
   const Eigen::MatrixXd covariance = 0.01 * Eigen::MatrixXd::Identity(2, 2);
   EXPECT_TRUE(OpenDirections(covariance, {{"a", 1.0, true}, {"b", 1.0, true}}).empty());
