@@ -61,4 +61,10 @@ if(SONARCAL_BUILD_APPS)
         ${PROJECT_BINARY_DIR}/Doxyfile)
     set_tests_properties(api_reference PROPERTIES TIMEOUT 600)
   endif()
+  if(SONARCAL_DOCS_SITE)
+    add_test(NAME docs_site
+      COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/docs_site_test.py ${PROJECT_BINARY_DIR}
+        ${SONARCAL_DOCS_SITE})
+    set_tests_properties(docs_site PROPERTIES TIMEOUT 600)
+  endif()
 endif()
