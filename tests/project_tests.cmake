@@ -42,6 +42,8 @@ if(SONARCAL_BUILD_APPS)
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py ${PROJECT_SOURCE_DIR}/docs/guide
       $<TARGET_FILE:sonarcal>)
   set_tests_properties(guide PROPERTIES TIMEOUT 1200)
+  add_test(NAME guide_self_test
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py --self-test)
   add_test(NAME schema
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/schema_test.py $<TARGET_FILE:sonarcal>
       $<TARGET_FILE:sonarcal_read_documents>)
