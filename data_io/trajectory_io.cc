@@ -183,9 +183,8 @@ TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
     break;
   }
   throw DataError(
-      "{}: no trajectory, expected a csv whose first line names {}; a EuRoC csv (time in ns, x, y, z, qw, "
-      "qx, "
-      "qy, qz); or TUM's columns, separated by blanks (time in s, x, y, z, qx, qy, qz, qw)",
+      "{}: no trajectory, expected a csv whose first line names {}; a EuRoC csv (time in ns, x, y, z, "
+      "qw, qx, qy, qz); or TUM's columns, separated by blanks (time in s, x, y, z, qx, qy, qz, qw)",
       file.string(), kCsvColumns);
 }
 
