@@ -1,5 +1,5 @@
-# Manual pages and shell completion, written by the program from its own commands, and the reference of the
-# libraries (target `docs`, needs Doxygen).
+# Manual pages and shell completion, written by the program from its own commands, the reference of the
+# libraries (target `docs`, needs Doxygen), and the site of all pages with both references (target `docs_site`).
 set(documentation_dir ${PROJECT_BINARY_DIR}/documentation)
 add_custom_command(OUTPUT ${documentation_dir}/sonarcal.1
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${documentation_dir}
@@ -47,4 +47,19 @@ if(SONARCAL_DOXYGEN)
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     COMMENT "Writing the reference of the libraries to ${PROJECT_BINARY_DIR}/api"
     VERBATIM)
+endif()
+
+# The site shows the Python module if it is built already: a change of a page needs no compiler.
+execute_process(COMMAND ${Python_EXECUTABLE} -c "import furo, myst_parser, sphinx"
+  RESULT_VARIABLE site_packages_missing OUTPUT_QUIET ERROR_QUIET)
+if(SONARCAL_DOXYGEN AND NOT site_packages_missing)
+  set(SONARCAL_DOCS_SITE ${PROJECT_BINARY_DIR}/site)
+  add_custom_target(docs_site
+    COMMAND ${Python_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/cmake/docs_site/make_site.py ${PROJECT_SOURCE_DIR}
+      ${PROJECT_VERSION} ${PROJECT_BINARY_DIR} ${PROJECT_BINARY_DIR}/python ${SONARCAL_DOCS_SITE}
+    DEPENDS docs
+    COMMENT "Writing the documentation site to ${SONARCAL_DOCS_SITE}"
+    VERBATIM)
+else()
+  message(STATUS "The target docs_site needs the packages doxygen, python3-sphinx, python3-myst-parser and furo")
 endif()

@@ -1,8 +1,9 @@
-"""Copies the pages of the documentation with their pictures, for the installation.
+"""Copies the pages of the documentation with their pictures, for the installation and for the site.
 
     install_pages.py SOURCES OUT PAGE...
 
-Copies docs/ and the other pages that are named. The pages keep their folders. A link to a file that is not installed becomes its text, so that no link is dead.
+Copies docs/ and the other pages that are named. The pages keep their folders. A link to a file that is not copied becomes its text, so
+that no link is dead. A link to a file that does not exist is a mistake.
 """
 
 import pathlib
@@ -13,19 +14,22 @@ import sys
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 
 
-def main():
-    """Copies all of them."""
-    sources, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+def copy_pages(sources, out, pages, folders_too=True):
+    """Copies all of them. Links to folders become text unless `folders_too`."""
     files = [path for path in sorted((sources / "docs").rglob("*")) if path.is_file()]
-    files += [sources / page for page in sys.argv[3:]]
-    installed = {place for path in files for place in (path, path.parent)}
+    files += [sources / page for page in pages]
+    copied = set(files)
+    if folders_too:
+        copied |= {path.parent for path in files}
 
     def kept(page, link):
         target = link.group(3)
         if re.match(r"[a-z]+:|#", target):
             return link.group(0)
         there = (page.parent / target.split("#")[0]).resolve()
-        return link.group(0) if there in installed else link.group(2)
+        if not there.exists():
+            sys.exit(f"{page.relative_to(sources)}: link to '{target}', which does not exist")
+        return link.group(0) if there in copied else link.group(2)
 
     for path in files:
         copy = out / path.relative_to(sources)
@@ -38,4 +42,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    copy_pages(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]), sys.argv[3:])

@@ -1,20 +1,83 @@
-"""Runs every command of the user's guide, page after page in one folder, as its reader would.
+"""Runs the commands of the user's guide in one folder, as its reader would, and compares what the pages show.
 
-    guide_test.py GUIDE SONARCAL
+    guide_test.py GUIDE SONARCAL [--update-pictures]
+    guide_test.py --self-test
 
-Each fenced block of "sh" is a script of its own (set -e). A page without one, but for README.md, is a mistake.
-Then the figures of the pages that compare must be those that the fit states for the same frames.
+The numbered pages come first, then those of ALSO_RUN. Each fenced block of "sh" is a script of its own (set -e). A block that calls
+scripts/ is for a clone with a network and is not run; one that reads $SONARCAL_RECORDINGS is run if that folder is there. A plain
+block after it shows lines of its output, in their order; "..." stands for lines that are left out. Numbers may differ a little,
+because processors round differently. Blocks of other languages are neither run nor compared. A picture below a comment "made: FILE" looks like this file of the commands;
+--update-pictures copies it into the sources. A numbered page without commands is a mistake.
 """
 
 import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 
-BLOCK = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md"]
+
+# Pages whose output is described in words or belongs to other files.
+OUTPUT_NOT_COMPARED = ["6_report.md"]
+
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PICTURE = re.compile(r"<!-- made: (\S+) -->\n!\[[^\]]*\]\((\S+)\)")
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+# A share of a number, and units of its last digit.
+RELATIVE_TOLERANCE = 0.03
+LAST_DIGITS = 2
+
+# Mean difference of grey values, and median difference of the numbers of a chart.
+PICTURE_TOLERANCE = 3
+CHART_TOLERANCE = 1
+
+
+def same_number(shown, made):
+    """Whether two numbers differ by rounding only."""
+    digits = len(shown.partition(".")[2]) if "e" not in shown else 12
+    tolerance = max(RELATIVE_TOLERANCE * abs(float(shown)), LAST_DIGITS * 10.0**-digits if digits else 0)
+    return abs(float(shown) - float(made)) <= tolerance
+
+
+def same_line(shown, made):
+    """Whether a line of a page and one of an output have the same words and nearly the same numbers."""
+    shown, made = " ".join(shown.split()), " ".join(made.split())
+    if NUMBER.sub("#", shown) != NUMBER.sub("#", made):
+        return False
+    return all(map(same_number, NUMBER.findall(shown), NUMBER.findall(made)))
+
+
+def first_missing(block, output):
+    """First line of a block that the output does not have after the lines before it, or None."""
+    made = iter(output.splitlines())
+    for shown in block.splitlines():
+        if shown.strip() in ("", "..."):
+            continue
+        if not any(same_line(shown, line) for line in made):
+            return shown
+    return None
+
+
+def picture_difference(shown, made):
+    """How much two files differ: grey values of pictures, numbers of charts."""
+    if shown.suffix == ".svg":
+        one, other = (path.read_text(encoding="utf-8") for path in (shown, made))
+        if NUMBER.sub("#", one) != NUMBER.sub("#", other):
+            return float("inf")
+        pairs = zip(NUMBER.findall(one), NUMBER.findall(other))
+        differences = sorted(abs(float(a) - float(b)) for a, b in pairs)
+        return differences[len(differences) // 2] / CHART_TOLERANCE
+    import matplotlib.image  # pylint: disable=import-outside-toplevel
+
+    one, other = (matplotlib.image.imread(path) for path in (shown, made))
+    if one.shape != other.shape:
+        return float("inf")
+    return 255 * float(abs(one.astype(float) - other).mean()) / PICTURE_TOLERANCE
 
 
 def check_figures(folder):
@@ -38,30 +101,91 @@ def check_figures(folder):
     assert worse == warned, f"worse: {worse}, warnings: {fit['warnings']}"
 
 
-def main():
-    """Runs the pages in the order of their names."""
-    guide, sonarcal = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-    environment = dict(os.environ, PATH=f"{sonarcal.parent}:{os.environ['PATH']}")
-    count = 0
+def is_run(block):
+    """Whether a block can be run here."""
+    if "scripts/" in block:
+        return False
+    needed = re.findall(r"\$SONARCAL_RECORDINGS/([\w/]+)", block)
+    recordings = os.environ.get("SONARCAL_RECORDINGS")
+    return not needed or (bool(recordings) and all(pathlib.Path(recordings, name).exists() for name in needed))
+
+
+def run_page(page, folder, environment):
+    """Runs and compares one page. Returns counts of what was compared, and what is wrong."""
+    text = page.read_text(encoding="utf-8")
+    counts, wrong, output, left_out = [0, 0, 0], [], None, False
+    for language, block in BLOCK.findall(text):
+        if language == "sh":
+            output = None
+            if not is_run(block):
+                print(f"{page.name}: not run here: {block.splitlines()[0]}")
+                left_out = True
+                continue
+            ended = subprocess.run(
+                ["bash", "-euo", "pipefail", "-c", block],
+                cwd=folder, env=environment, text=True, check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            )
+            if ended.returncode != 0:
+                return counts, [f"{page.name}: ended with {ended.returncode}:\n{block}\n{ended.stdout}"]
+            output = ended.stdout
+            counts[0] += 1
+        elif language == "" and output is not None and page.name not in OUTPUT_NOT_COMPARED:
+            missing = first_missing(block, output)
+            if missing is not None:
+                wrong.append(f"{page.name} shows\n{missing}\nwhich is not, in this place, in\n{output}")
+            counts[1] += 1
+    for made, shown in PICTURE.findall(text):
+        made, shown = folder / made, page.parent / shown
+        if left_out and not made.exists():
+            continue
+        if "--update-pictures" in sys.argv:
+            shutil.copyfile(made, shown)
+        elif picture_difference(shown, made) > 1:
+            wrong.append(f"{page.name}: {shown.name} does not look like {made.name}, which its commands made")
+        counts[2] += 1
+    return counts, wrong
+
+
+def self_test():
+    """Small differences pass, others do not."""
+    output = "a table\n  IoU   0.939 [0.932, 0.946]\n  noise  93.99  0.04  dB\nend\n"
+    assert first_missing("IoU 0.941 [0.930, 0.946]\n...\nend\n", output) is None
+    assert first_missing("IoU 0.901 [0.932, 0.946]\n", output) is not None
+    assert first_missing("noise 93.99 0.04 m\n", output) is not None
+    assert first_missing("end\n...\na table\n", output) == "a table"
+    assert not is_run("scripts/setup.sh\n") and is_run("sonarcal sonars\n")
     with tempfile.TemporaryDirectory() as folder:
-        for page in sorted(guide.glob("[0-9]*.md")):
-            blocks = BLOCK.findall(page.read_text(encoding="utf-8"))
-            assert blocks, f"{page.name} has no commands"
-            for block in blocks:
-                ended = subprocess.run(
-                    ["bash", "-euo", "pipefail", "-c", block],
-                    cwd=folder, env=environment, text=True, check=False,
-                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                )
-                if ended.returncode != 0:
-                    print(f"{page.name}: ended with {ended.returncode}:\n{block}\n{ended.stdout}")
-                    return 1
-                count += 1
+        one, other = pathlib.Path(folder, "1.svg"), pathlib.Path(folder, "2.svg")
+        one.write_text("<path d='M 1 2 L 3 4'/>", encoding="utf-8")
+        other.write_text("<path d='M 5 6 L 7 8'/>", encoding="utf-8")
+        assert picture_difference(one, one) == 0 and picture_difference(one, other) > 1
+    print("ok")
+
+
+def main():
+    """Runs the pages in their order."""
+    if sys.argv[1] == "--self-test":
+        return self_test()
+    guide, sonarcal = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
+    environment = dict(os.environ, PATH=f"{sonarcal.parent}:{os.environ['PATH']}")
+    totals, wrong = [0, 0, 0], []
+    numbered = sorted(guide.glob("[0-9]*.md"))
+    with tempfile.TemporaryDirectory() as folder:
+        for page in [*numbered, *(guide / name for name in ALSO_RUN)]:
+            counts, faults = run_page(page, pathlib.Path(folder), environment)
+            totals = [sum(pair) for pair in zip(totals, counts)]
+            wrong += faults
+            if page in numbered and not faults:
+                assert counts[0], f"{page.name} has no commands"
+        print("\n".join(wrong))
+        if wrong:
+            return 1
         check_figures(pathlib.Path(folder))
-        linked = set(re.findall(r"\]\((\d\w+\.md)\)", (guide / "README.md").read_text(encoding="utf-8")))
-        pages = {page.name for page in guide.glob("[0-9]*.md")}
-        assert linked == pages, f"README.md links {sorted(linked ^ pages)} wrongly"
-    print(f"ok: {count} blocks")
+    linked = set(re.findall(r"\]\((\d\w+\.md)\)", (guide / "README.md").read_text(encoding="utf-8")))
+    pages = {page.name for page in numbered}
+    assert linked == pages, f"README.md links {sorted(linked ^ pages)} wrongly"
+    assert totals[2] > 5, "the pages show hardly a picture"
+    print("ok: {} blocks run, {} outputs and {} pictures compared".format(*totals))
     return 0
 
 

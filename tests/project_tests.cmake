@@ -42,6 +42,8 @@ if(SONARCAL_BUILD_APPS)
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py ${PROJECT_SOURCE_DIR}/docs/guide
       $<TARGET_FILE:sonarcal>)
   set_tests_properties(guide PROPERTIES TIMEOUT 1200)
+  add_test(NAME guide_self_test
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py --self-test)
   add_test(NAME schema
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/schema_test.py $<TARGET_FILE:sonarcal>
       $<TARGET_FILE:sonarcal_read_documents>)
@@ -60,5 +62,11 @@ if(SONARCAL_BUILD_APPS)
       COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/api_reference_test.py ${SONARCAL_DOXYGEN}
         ${PROJECT_BINARY_DIR}/Doxyfile)
     set_tests_properties(api_reference PROPERTIES TIMEOUT 600)
+  endif()
+  if(SONARCAL_DOCS_SITE)
+    add_test(NAME docs_site
+      COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/docs_site_test.py ${PROJECT_BINARY_DIR}
+        ${SONARCAL_DOCS_SITE})
+    set_tests_properties(docs_site PROPERTIES TIMEOUT 600)
   endif()
 endif()

@@ -188,9 +188,12 @@ void SetupConvert(CLI::App& app) {
                    "file (default: none)")
       ->type_name("REC|FILE");
   command
-      ->add_option("--trajectory", options->trajectory,
-                   "Trajectory of the sonar, or of the body that carries it; gives every frame the pose at "
-                   "its time, in place of its own")
+      ->add_option(
+          "--trajectory", options->trajectory,
+          "Trajectory of the sonar, or of the body that carries it; gives every frame the pose at "
+          "its time, in place of its own. csv: the first line names time_s, x_m, y_m, z_m and either "
+          "qw, qx, qy, qz or yaw_deg, pitch_deg, roll_deg; tum: time in s, x, y, z, qx, qy, qz, qw, "
+          "separated by blanks; euroc: time in ns, x, y, z, qw, qx, qy, qz, separated by commas")
       ->type_name("FILE");
   cli::AddChoice(*command, "--trajectory-format", options->trajectory_format,
                  "Format of the trajectory (default: determined from its first lines)");
@@ -205,7 +208,9 @@ void SetupConvert(CLI::App& app) {
       ->add_option("--pose-frames", options->pose_frames,
                    "Frames between which the transforms are followed, of the world and of the body")
       ->type_name("WORLD:BODY");
-  command->add_option("--mount", options->mount, "Mount of the sonar on that body (sonar-mount/1)")
+  command
+      ->add_option("--mount", options->mount,
+                   "Mount of the sonar on that body: JSON with format sonar-mount/1 and body_from_sonar")
       ->type_name("FILE");
   command
       ->add_option("--time-offset", options->time_offset_s,

@@ -1,4 +1,4 @@
-"""Makes a simulated imaging sonar agree with a real one.
+"""Makes a simulated imaging sonar agree with a real one. For example::
 
     import sonarcal
 
@@ -6,10 +6,10 @@
     recording = sonarcal.simulate(scene, "p900-45", sonarcal.environment_parameters(), sonarcal.viewpoints("tank"))
     recording[0].image.value                       # NumPy array, range bins x beams
 
-simulate(), compare(), calibrate(), fit(), judge_noise(), locate() and explain() do what the commands of `sonarcal` do. Their options are keyword arguments
-with the names, units and defaults of the commands ("-" as "_"); help(sonarcal.fit) lists them. They also take an
-options object such as FitOptions, or a dict. Angles are in degrees and levels in dB; arrays named `_rad` are in
-radians.
+simulate(), compare(), calibrate(), fit(), judge_noise(), locate() and explain() do what the commands of `sonarcal`
+do. Their options are keyword arguments with the names, units and defaults of the commands ("-" as "_");
+help(sonarcal.fit) lists them. They also take an options object such as FitOptions, or a dict. Angles are in degrees
+and levels in dB; arrays named `_rad` are in radians.
 
 Images and axes are read-only views of the library's memory, kept alive by the array: copy one to change it. Long
 calls let other threads of Python run, call `progress(what, done, total)` if one is given (`total` 0: unknown), and
