@@ -96,8 +96,16 @@ report::HtmlReport MakeReport(const metrics::MetricsReport& metrics, const repor
   report::HtmlReport report(
       fmt::format("Simulated against {} images", report::RealWord(metrics.real_is_synthetic)),
       fmt::format("{} against {}", metrics.simulated, metrics.real));
+  std::vector<std::string> sentences = report::SummaryInWords(metrics);
+  if (!shown.examples.empty()) {
+    const std::size_t first = std::min<std::size_t>(2, sentences.size());
+    report::AddOpening(report, report::MiddleFrame(shown.examples, metrics.options.intensity_domain),
+                       "with the middle intensity error", metrics.real_is_synthetic,
+                       {sentences.begin(), sentences.begin() + static_cast<std::ptrdiff_t>(first)});
+    sentences.erase(sentences.begin(), sentences.begin() + static_cast<std::ptrdiff_t>(first));
+  }
   report::AddSyntheticCallout(report, metrics.real_is_synthetic, metrics.real);
-  report.List(report::SummaryInWords(metrics));
+  report.List(sentences);
   report::AddKeyFigures(report, metrics);
   report.Section("Agreement");
   report::AddMetricTables(report, metrics);
@@ -111,8 +119,9 @@ report::HtmlReport MakeReport(const metrics::MetricsReport& metrics, const repor
           : fmt::format("{} of the {} frames, evenly spread,", pictured, metrics.aggregate.frame_count)));
   report::AddPictureLegend(report, report::RealWord(metrics.real_is_synthetic));
   if (!shown.viewer.frames.empty()) report.Add(shown.viewer);
-  for (const report::FramePictures& frame : shown.pictures) {
-    report::AddFramePictures(report, frame, fmt::format("Frame {}", frame.index), metrics.real_is_synthetic);
+  for (const workflow::ComparedFrame& frame : shown.examples) {
+    report::AddFramePictures(report, frame, fmt::format("Frame {}", frame.metrics.index),
+                             metrics.real_is_synthetic);
   }
   report.Section("Where the simulation is wrong");
   report::AddResiduals(report, metrics);
@@ -200,7 +209,6 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   }};
   const std::vector<int> pictured =
       workflow::EvenlySpread(workflow::FramesToCompare(*real, *simulated, compare.frames), options.pictures);
-  report::PictureMaker maker;
   metrics::ComparisonPart part;
   part.compared = ComparedText(options);
   part.simulated = options.simulated.string();
@@ -208,7 +216,7 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
       *real, *simulated, compare, scene ? &*scene : nullptr, !options.scene.empty(), listener,
       [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& frame) {
         if (std::ranges::find(pictured, frame.index) != pictured.end())
-          report::WritePictures(output.staging(), maker.Make(recorded, rendered, frame));
+          report::WritePictures(output.staging(), recorded, rendered, frame);
         if (options.part) part.Add(frame);
       });
   progress.reset();
@@ -216,7 +224,7 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
     workflow::CompareAgain(
         *real, *simulated, comparison.options, pictured,
         [&](const PolarImage& recorded, const PolarImage& rendered, const metrics::FrameMetrics& frame) {
-          report::WritePictures(output.staging(), maker.Make(recorded, rendered, frame));
+          report::WritePictures(output.staging(), recorded, rendered, frame);
         });
   }
   metrics::MetricsReport& metrics = comparison.metrics;

@@ -130,20 +130,28 @@ void Show(const Exhibit& exhibit, const sim::Simulator& simulator, const Paramet
   std::vector<report::GalleryPictures> sheet;
   for (std::size_t i = 0; i < count; ++i) {
     sheet.push_back(report::MakePictures(views[i], brightest));
-    const auto written = [&](const char* what, const RgbImage& picture, std::string caption,
-                             std::string alt) {
+    const auto written = [&](const char* what, const RgbImage& picture, std::string caption, std::string alt,
+                             std::optional<report::SonarView> view = {}) {
       files.push_back(fmt::format("{}_{}_{}.png", exhibit.name, i + 1, what));
       data_io::WritePng(output / files.back(), picture);
-      return report::Picture{
+      report::Picture shown{
           .png = data_io::EncodePng(picture), .caption = std::move(caption), .alt = std::move(alt)};
+      if (view) {
+        shown.plot = report::SonarPlot{.axes = views[i].image.axes,
+                                       .view = *view,
+                                       .colours = report::SonarColours::kInferno,
+                                       .bar = {"0", "grey level, root", fmt::format("{:.0f}", brightest)}};
+      }
+      return shown;
     };
     const std::string of = fmt::format("of {}, viewpoint {} (simulated)", exhibit.title, i + 1);
-    report.Add(
-        report::PictureRow{.caption = fmt::format("{}, viewpoint {}: {}. Simulated.", exhibit.title, i + 1,
-                                                  PlaceText(exhibit.poses[i])),
-                           .pictures = {written("depth", sheet.back().depth, "Depth", "Depth image " + of),
-                                        written("fan", sheet.back().fan, "Fan", "Fan image " + of),
-                                        written("polar", sheet.back().polar, "Polar", "Polar image " + of)}});
+    report.Add(report::PictureRow{
+        .caption = fmt::format("{}, viewpoint {}: {}. Simulated.", exhibit.title, i + 1,
+                               PlaceText(exhibit.poses[i])),
+        .pictures = {
+            written("depth", sheet.back().depth, "Depth", "Depth image " + of),
+            written("fan", sheet.back().fan, "Fan", "Fan image " + of, report::SonarView::kFan),
+            written("polar", sheet.back().polar, "Polar", "Polar image " + of, report::SonarView::kPolar)}});
   }
   files.push_back(exhibit.name + ".png");
   data_io::WritePng(output / files.back(), report::Sheet(sheet));

@@ -70,8 +70,7 @@ Json ConfigurationJson(const LocateCommandOptions& options, const std::vector<in
 report::HtmlReport MakeReport(const workflow::Location& location, const RecordingInfo& info,
                               const Json& provenance) {
   report::HtmlReport report("Pose of a target", workflow::RecordingName(info));
-  report::AddSyntheticCallout(report, info.synthetic, workflow::RecordingName(info));
-  report::AddLocation(report, location, info.synthetic);
+  report::AddLocation(report, location, info.synthetic, workflow::RecordingName(info));
   report::EndReport(report, provenance);
   return report;
 }

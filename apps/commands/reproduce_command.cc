@@ -20,15 +20,14 @@
 #include "apps/cli/run_output.h"
 #include "apps/commands/commands.h"
 #include "apps/report/html/paper_files.h"
+#include "apps/report/pictures/comparison_pictures.h"
 #include "apps/report/pictures/shown_frames.h"
 #include "apps/reproduce/reproduce_report.h"
 #include "apps/reproduce/summary_rows.h"
 #include "apps/workflow/rays/ray_options.h"
 #include "data_io/files/atomic_output.h"
-#include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
-#include "data_io/pictures/picture.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/scene_io.h"
 
@@ -81,14 +80,12 @@ std::filesystem::path RecordingsFolder(const ReproduceOptions& options) {
 }
 
 reproduce::ShownRecording Show(const std::string& name, const std::filesystem::path& path) {
-  reproduce::ShownRecording shown{.name = name, .failure = {}, .info = {}, .polar_png = {}, .fan_png = {}};
+  reproduce::ShownRecording shown{.name = name, .failure = {}, .info = {}, .first = {}};
   try {
     const auto recording = data_io::OpenRecording(path);
-    const PolarImage image = recording->ReadFrame(0).image;
+    shown.first = recording->ReadFrame(0).image;
     shown.info = recording->info();
     shown.frame_count = recording->frame_count();
-    shown.polar_png = data_io::EncodePng(data_io::StretchPolar(data_io::Colorize(image)));
-    shown.fan_png = data_io::EncodePng(data_io::Colorize(FanMap(image.axes).Apply(image)));
   } catch (const DataError& error) {
     shown.failure = error.what();
   }
@@ -145,10 +142,11 @@ void WriteSyntheticRecording(const reproduce::SyntheticComparison& synthetic,
   data_io::WriteParameters(folder / "params.json", synthetic.truth);
 }
 
-void WriteAll(const std::filesystem::path& folder, const std::vector<report::FramePictures>& frames) {
+void WriteAll(const std::filesystem::path& folder, const std::vector<workflow::ComparedFrame>& frames) {
   if (frames.empty()) return;
   std::filesystem::create_directories(folder);
-  for (const report::FramePictures& pictures : frames) report::WritePictures(folder, pictures);
+  for (const workflow::ComparedFrame& frame : frames)
+    report::WritePictures(folder, frame.real, frame.simulated, frame.metrics);
 }
 
 void WriteFit(const cli::RunOutput& output, const std::string& prefix, const workflow::RecordingFit& fit,
@@ -162,7 +160,7 @@ void WriteFit(const cli::RunOutput& output, const std::string& prefix, const wor
     data_io::WriteParameters(output / (prefix + "_params.json"), fit.fit.parameters);
   }
   data_io::WriteFileWhole(output / (prefix + "_fit.json"), calib::FitReportJson(fit.fit.report, extra));
-  WriteAll(output / (prefix + "_pictures"), report::ShowFit(fit).after);
+  WriteAll(output / (prefix + "_pictures"), report::ShowFit(fit).examples);
 }
 
 // The acoustic model's fit and its evaluation, which FitRecording did not make.
@@ -176,8 +174,8 @@ void WriteTargetAcoustic(const cli::RunOutput& output, const std::string& prefix
   }
   data_io::WriteFileWhole(output / (prefix + "_fit.json"),
                           calib::FitReportJson(target.acoustic.fit.report, extra));
-  WriteAll(output / (prefix + "_pictures"), target.expected_pictures);
-  WriteAll(output / (prefix + "_sample_pictures"), target.sample_pictures);
+  WriteAll(output / (prefix + "_pictures"), target.expected_frames);
+  WriteAll(output / (prefix + "_sample_pictures"), target.sample_frames);
 }
 
 reproduce::SyntheticComparison RunSynthetic(const reproduce::CasePlan& plan, const ReproduceOptions& options,

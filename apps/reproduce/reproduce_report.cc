@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/report/html/report_end.h"
+#include "apps/report/pictures/sonar_picture.h"
+#include "apps/report/sections/agreement_section.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/fit_section.h"
 #include "apps/reproduce/summary_rows.h"
@@ -167,11 +170,28 @@ void AddShown(report::HtmlReport& report, const std::vector<ShownRecording>& sho
     if (!recording.info.notes.empty()) report.List(recording.info.notes);
     report.Add(report::PictureRow{
         .caption = recording.name + ", first frame",
-        .pictures = {{.png = recording.polar_png, .caption = "Polar", .alt = {}, .crisp = true},
-                     {.png = recording.fan_png, .caption = "Fan", .alt = {}, .crisp = false}},
+        .pictures = {report::SonarPicture(recording.first, report::SonarView::kPolar, "Polar", {}),
+                     report::SonarPicture(recording.first, report::SonarView::kFan, "Fan", {})},
         .columns = 2,
         .legend = {}});
   }
+}
+
+// The held-out frame of a real sonar, or else a synthetic one, with the fitted acoustic model.
+void AddOpening(report::HtmlReport& report, const Reproduction& reproduction) {
+  for (const TargetResult& target : reproduction.targets) {
+    if (!target.comparison || target.comparison->fitted.expected_frames.empty()) continue;
+    const TargetComparison::Fitted& fitted = target.comparison->fitted;
+    std::vector<std::string> sentences = report::SummaryInWords(fitted.expected);
+    sentences.resize(std::min<std::size_t>(2, sentences.size()));
+    report::AddOpening(report, fitted.expected_frames.front(),
+                       fmt::format("{}, with the fitted acoustic model", target.comparison->plan.label),
+                       target.comparison->info.synthetic, sentences);
+    return;
+  }
+  const workflow::RecordingFit& fit = reproduction.synthetic.acoustic;
+  const std::string name = "the fit of the acoustic model";
+  report::AddFitOpening(report, fit, report::FitInWords(fit, name), name);
 }
 
 void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
@@ -250,6 +270,7 @@ report::HtmlReport MakeReproductionReport(const Reproduction& reproduction,
                                           const nlohmann::ordered_json& provenance) {
   report::HtmlReport report("Simulated and recorded sonar images",
                             "The comparison of Park, Sensors 2024, 24(23), 7835, made again");
+  AddOpening(report, reproduction);
   AddSummary(report, reproduction);
   AddSynthetic(report, reproduction.synthetic);
   for (const TargetResult& target : reproduction.targets) {

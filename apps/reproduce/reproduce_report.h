@@ -21,8 +21,7 @@ struct ShownRecording {
   std::string failure;  // why it could not be read; empty where it could
   RecordingInfo info;
   int frame_count = 0;
-  std::vector<std::uint8_t> polar_png;
-  std::vector<std::uint8_t> fan_png;
+  PolarImage first;  // frame
 };
 
 // The comparison of a target's case, or the reason for its absence.

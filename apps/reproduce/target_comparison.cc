@@ -168,11 +168,11 @@ class Comparison {
     const ParameterSet& parameters = fitted.acoustic.fit.parameters;
     const PolarImage expected = simulator.RenderExpected(echoes, parameters);
     fitted.expected = Compare({frames_[1]}, {expected}, "expected image of the fitted acoustic model", true,
-                              &fitted.expected_pictures);
+                              &fitted.expected_frames);
     const std::vector<PolarImage> samples = Samples(simulator, echoes, parameters);
     const std::string name = "speckled samples of the fitted acoustic model";
     fitted.samples = CompareSamples(samples, name);
-    Compare({frames_[1]}, {samples.front()}, name, true, &fitted.sample_pictures);
+    Compare({frames_[1]}, {samples.front()}, name, true, &fitted.sample_frames);
     std::vector<Frame> sampled(samples.size(), frames_[1]);
     for (std::size_t i = 0; i < samples.size(); ++i) sampled[i].image.value = samples[i].value;
     fitted.floor = Compare(sampled, std::vector<PolarImage>(samples.size(), expected),
@@ -182,7 +182,7 @@ class Comparison {
   // Images in the place of recorded frames, one by one.
   metrics::MetricsReport Compare(const std::vector<Frame>& real, std::vector<PolarImage> images,
                                  const std::string& name, bool synthetic,
-                                 std::vector<report::FramePictures>* pictures = nullptr) const {
+                                 std::vector<workflow::ComparedFrame>* compared = nullptr) const {
     const RecordingInfo& info = recorded_->info();
     RecordingInfo simulated = info;
     simulated.source = name;
@@ -194,13 +194,12 @@ class Comparison {
     }
     const workflow::CompareRecordingsOptions compare{
         .compare = comparison_, .as_displayed = true, .noise_floor = false};
-    report::PictureMaker maker;
     return workflow::CompareRecordings(
         MemoryRecording(info, real), MemoryRecording(simulated, std::move(frames)), compare,
         [&](const PolarImage& r, const PolarImage& s, const metrics::FrameMetrics& metrics) {
-          if (pictures == nullptr) return;
-          pictures->push_back(maker.Make(r, s, metrics));
-          pictures->back().index = 1;  // in the recording
+          if (compared == nullptr) return;
+          compared->push_back({r, s, metrics});
+          compared->back().metrics.index = 1;  // in the recording
         });
   }
 

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/pictures/comparison_pictures.h"
 #include "apps/reproduce/case_plan.h"
 #include "apps/workflow/fit.h"
 #include "calib/acoustic_fit.h"
@@ -40,8 +39,8 @@ struct TargetComparison {
     // On the held-out frame; `samples` pools kDraws samples, too.
     metrics::MetricsReport expected;
     metrics::MetricsReport samples;
-    std::vector<report::FramePictures> expected_pictures;
-    std::vector<report::FramePictures> sample_pictures;  // of one sample
+    std::vector<workflow::ComparedFrame> expected_frames;
+    std::vector<workflow::ComparedFrame> sample_frames;  // of one sample
     metrics::MetricsReport floor;  // the expected image against those samples: the error that speckle leaves
   };
   static constexpr int kDraws = 8;

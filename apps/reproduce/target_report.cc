@@ -79,12 +79,12 @@ void AddModels(report::HtmlReport& report, const TargetComparison& target) {
   const TargetComparison::Fitted& fitted = target.fitted;
   const bool synthetic = target.info.synthetic;
   report::AddPictureLegend(report, report::RealWord(synthetic));
-  const report::FitPictures paper_pictures = report::ShowFit(target.paper);
-  for (const report::FramePictures& frame : paper_pictures.after)
+  const report::ShownFrames paper = report::ShowFit(target.paper);
+  for (const workflow::ComparedFrame& frame : paper.examples)
     report::AddFramePictures(report, frame, "The paper's model, fitted", synthetic);
-  for (const report::FramePictures& frame : fitted.expected_pictures)
+  for (const workflow::ComparedFrame& frame : fitted.expected_frames)
     report::AddFramePictures(report, frame, "The acoustic model, fitted: expected image", synthetic);
-  for (const report::FramePictures& frame : fitted.sample_pictures)
+  for (const workflow::ComparedFrame& frame : fitted.sample_frames)
     report::AddFramePictures(report, frame, "The acoustic model, fitted: a speckled sample", synthetic);
   for (const workflow::RecordingFit* fit : {&target.paper, &fitted.acoustic}) {
     const char* name = fit == &target.paper ? "paper's" : "acoustic";

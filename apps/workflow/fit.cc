@@ -320,6 +320,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     }
     result.fit = {
         .parameters = std::move(fit.parameters), .report = std::move(fit.report), .usable = fit.usable};
+    result.axes = sonar.axes;
     for (const std::vector<float>& weights : fit.weights) {
       result.weights.emplace_back(sonar.axes.range_bins, sonar.axes.beam_count());
       std::copy(weights.begin(), weights.end(), result.weights.back().values().begin());

@@ -85,6 +85,7 @@ struct RecordingFit {
   // Weights of pixels that do not match the scene: per frame used, one weight per pixel. Empty: all weights
   // are 1.
   std::vector<Grid<float>> weights = {};
+  PolarAxes axes = {};  // of the weights
   // Images and metrics of compared frames: at most three examples before the fit; these and others after it.
   // Empty without FitRecordingOptions::keep_images.
   std::vector<ComparedFrame> frames_before = {};

@@ -83,16 +83,28 @@ std::string HtmlFault(std::string_view html) {
 
 namespace {
 
-// alt text and source of each picture
+// alt text and source of each picture; for a drawing, what it shows
 std::vector<std::pair<std::string, std::string>> AltAndSource(const std::string& html) {
   std::vector<std::pair<std::string, std::string>> pictures;
   const auto attribute = [&](const char* name, std::size_t from) {
     const std::size_t start = html.find(name, from) + std::string_view(name).size();
     return html.substr(start, html.find('"', start) - start);
   };
-  constexpr const char* kFigure = "<figure class=\"picture\"><img";
-  for (std::size_t at = html.find(kFigure); at != std::string::npos; at = html.find(kFigure, at + 1))
-    pictures.emplace_back(attribute(" alt=\"", at), attribute(" src=\"", at));
+  constexpr std::string_view kFigure = "<figure class=\"picture\">";
+  for (std::size_t at = html.find(kFigure); at != std::string::npos; at = html.find(kFigure, at + 1)) {
+    if (html.compare(at + kFigure.size(), 4, "<img") == 0) {
+      pictures.emplace_back(attribute(" alt=\"", at), attribute(" src=\"", at));
+      continue;
+    }
+    // A drawing shows what it uses, each by a filter and within a clip path.
+    const std::string_view drawing = std::string_view(html).substr(at, html.find("</svg>", at) - at);
+    std::string source(
+        drawing.substr(drawing.find("<path"), drawing.find("</clipPath>") - drawing.find("<path")));
+    for (std::size_t use = drawing.find("<use"); use != std::string_view::npos;
+         use = drawing.find("<use", use + 1))
+      source += drawing.substr(use, drawing.find("/>", use) - use);
+    pictures.emplace_back(attribute(" aria-label=\"", at), source);
+  }
   return pictures;
 }
 

@@ -12,7 +12,7 @@ namespace sonarcal::testing {
 // Empty where the page is well-formed; else what is wrong, with the text about it.
 std::string HtmlFault(std::string_view html);
 
-// The embedded pictures of a page's figures, in their order; not those that a viewer draws from.
+// The pictures of a page's figures, in their order: their data, or for drawings the data they use.
 std::vector<std::string> PicturesOf(const std::string& html);
 
 // Empty where no picture of the page is shown twice; else the description of one that is.

@@ -95,8 +95,7 @@ report::HtmlReport MakeReport(const workflow::Calibration& calibration, const Re
                               const Json& provenance) {
   const std::string name = workflow::RecordingName(info);
   report::HtmlReport report("Calibration of a sonar", name);
-  report::AddSyntheticCallout(report, info.synthetic, name);
-  report::AddCalibration(report, calibration);
+  report::AddCalibration(report, calibration, info.synthetic, name);
   report::EndReport(report, provenance);
   return report;
 }

@@ -199,6 +199,7 @@ void RefuseWithoutEffect(const CLI::App& command, const FitCommandOptions& optio
 report::HtmlReport MakeReport(const workflow::RecordingFit& fit, const RecordingInfo& info,
                               const Json& provenance) {
   report::HtmlReport report("Fit of a sonar's parameters", workflow::RecordingName(info));
+  report::AddFitOpening(report, fit, report::FitInWords(fit));
   report::AddSyntheticCallout(report, info.synthetic, workflow::RecordingName(info));
   report::AddFitWarnings(report, fit.fit.report);
   report::AddFitKeyFigures(report, fit);

@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/report/html/html_text.h"
+#include "apps/report/html/sonar_plot.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/pictures/picture.h"
@@ -29,17 +31,19 @@ Json ColourJson(const data_io::Rgb& colour) {
   return {colour[0], colour[1], colour[2]};
 }
 
-// Colours of the grey values 0 .. 255, six hexadecimal digits each.
-std::string InfernoHex() {
-  Grid<float> ramp(1, 256);
-  for (int i = 0; i < 256; ++i) ramp(0, i) = static_cast<float>(i);
-  const RgbImage colours = data_io::Colorize(ramp, {0.0, 255.0});
-  std::string hex;
-  for (const auto& [r, g, b] : colours.values()) hex += fmt::format("{:02x}{:02x}{:02x}", r, g, b);
-  return hex;
-}
+// Max size of the canvas (frame_viewer.js).
+constexpr double kMaxWidthPx = 960.0;
+constexpr double kMaxHeightPx = 520.0;
 
-Json ViewerJson(const FrameViewer& viewer) {
+// Data of the script, and the axes to lay over the canvas: one drawing per geometry and view.
+struct ViewerData {
+  Json json;
+  std::string axes;
+};
+
+ViewerData DataOf(const FrameViewer& viewer,
+                  const std::function<std::string(const std::vector<std::uint8_t>&)>& store) {
+  std::string axes;
   Json geometries = Json::array();
   Json frames = Json::array();
   const PolarAxes* last = nullptr;
@@ -52,20 +56,43 @@ Json ViewerJson(const FrameViewer& viewer) {
       }
       geometries.push_back(
           {{"range_m", {last->range_min_m, last->range_max_m}}, {"azimuth_deg", azimuth_deg}});
+      for (const SonarView view : {SonarView::kFan, SonarView::kPolar}) {
+        axes += SonarAxesSvg(*last, view, kMaxWidthPx, kMaxHeightPx,
+                             fmt::format(R"( hidden="hidden" data-axes="{} {}")",
+                                         view == SonarView::kFan ? "fan" : "polar", geometries.size() - 1));
+      }
     }
     frames.push_back({{"name", frame.name},
                       {"figures", frame.figures},
                       {"geometry", geometries.size() - 1},
-                      {"full_scale", frame.full_scale}});
+                      {"full_scale", frame.full_scale},
+                      {"pictures",
+                       {{"real", store(frame.real)},
+                        {"simulated", store(frame.simulated)},
+                        {"objects", store(frame.objects)}}}});
   }
-  return {{"real", RealWord(viewer.real_is_synthetic)},
-          {"geometries", geometries},
-          {"frames", frames},
-          {"inferno", InfernoHex()},
-          {"alike", data_io::kAlikeGrey},
-          {"regions",
-           {ColourJson(data_io::kNeitherColor), ColourJson(data_io::kRealOnlyColor),
-            ColourJson(data_io::kSimulatedOnlyColor), ColourJson(data_io::kBothColor)}}};
+  return {{{"real", RealWord(viewer.real_is_synthetic)},
+           {"geometries", geometries},
+           {"frames", frames},
+           {"alike", data_io::kAlikeGrey},
+           {"regions",
+            {ColourJson(data_io::kNeitherColor), ColourJson(data_io::kRealOnlyColor),
+             ColourJson(data_io::kSimulatedOnlyColor), ColourJson(data_io::kBothColor)}}},
+          axes};
+}
+
+// Colour bars of what the viewer can show. The script picks one.
+std::string BarsHtml(const FrameViewer& viewer) {
+  const std::string full_scale = fmt::format("{:g}", viewer.frames.front().full_scale);
+  const std::string real = RealWord(viewer.real_is_synthetic);
+  std::string html;
+  const auto add = [&](std::string_view gradient, const std::array<std::string, 3>& texts) {
+    html += ColourBarSvg(gradient, texts, fmt::format(R"( hidden="hidden" data-bar="{}")", gradient));
+  };
+  add("inferno", {"0", "grey level", full_scale});
+  add("grey", {"0", "grey level", full_scale});
+  for (const char* of_two : {"overlay", "difference"}) add(of_two, {real, "← brighter →", "simulated"});
+  return html;
 }
 
 // Buttons of which one is selected. The arrow keys move from one to the next.
@@ -82,14 +109,15 @@ std::string ChoiceHtml(const std::string& name, const char* what, const char* le
 
 }  // namespace
 
-std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
+std::string FrameViewerHtml(const FrameViewer& viewer, int number,
+                            const std::function<std::string(const std::vector<std::uint8_t>&)>& store) {
   SONARCAL_CHECK(!viewer.frames.empty(), "a viewer without frames");
   const std::string name = fmt::format("viewer-{}", number);
-  const Json data = ViewerJson(viewer);
+  const ViewerData data = DataOf(viewer, store);
   std::string html = fmt::format(
       "<details hidden=\"hidden\"><summary>Browse the frames: blink, overlay, difference, values under the "
       "pointer</summary>\n<div class=\"viewer\" data-viewer=\"{}\">\n<div class=\"controls\">",
-      EscapeHtml(data.dump(-1, ' ', false, Json::error_handler_t::replace)));
+      EscapeHtml(data.json.dump(-1, ' ', false, Json::error_handler_t::replace)));
   const std::array<Choice, 6> show = {{{"real", RealCaption(viewer.real_is_synthetic)},
                                        {"simulated", "Simulated"},
                                        {"blink", "Blink"},
@@ -108,20 +136,12 @@ std::string FrameViewerHtml(const FrameViewer& viewer, int number) {
       "aria-label=\"Next frame\">\u203a</button> <strong data-part=\"name\"></strong></div>\n",
       viewer.frames.size() - 1);
   html +=
-      "<p data-part=\"figures\"></p>\n<canvas data-part=\"canvas\" tabindex=\"0\" role=\"img\"></canvas>\n"
-      "<p class=\"readout\"><output data-part=\"readout\"></output></p>\n<p><strong data-part=\"which\">"
+      "<p data-part=\"figures\"></p>\n<div class=\"stage\"><canvas data-part=\"canvas\" tabindex=\"0\" "
+      "role=\"img\"></canvas>";
+  html += data.axes + "</div>" + BarsHtml(viewer);
+  html +=
+      "\n<p class=\"readout\"><output data-part=\"readout\"></output></p>\n<p><strong data-part=\"which\">"
       "</strong> <span data-part=\"key\"></span></p>\n";
-  for (std::size_t i = 0; i < viewer.frames.size(); ++i) {
-    const auto image = [&](const char* of, const std::vector<std::uint8_t>& png) {
-      html += fmt::format(
-          "<img hidden=\"hidden\" alt=\"\" data-frame=\"{}\" data-of=\"{}\" "
-          "src=\"data:image/png;base64,{}\"/>\n",
-          i, of, Base64(png));
-    };
-    image("real", viewer.frames[i].real);
-    image("simulated", viewer.frames[i].simulated);
-    image("objects", viewer.frames[i].objects);
-  }
   return html + "</div></details>\n";
 }
 

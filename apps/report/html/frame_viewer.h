@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,8 @@ struct FrameViewer {
   bool real_is_synthetic = false;
 };
 
-// `number` distinguishes the viewers of one page.
-std::string FrameViewerHtml(const FrameViewer& viewer, int number);
+// `number` distinguishes the viewers of one page. `store` puts a picture into the page and returns its id.
+std::string FrameViewerHtml(const FrameViewer& viewer, int number,
+                            const std::function<std::string(const std::vector<std::uint8_t>&)>& store);
 
 }  // namespace sonarcal::report

@@ -8,13 +8,10 @@ const kLargestWidthPx = 960;
 const kBlinkMs = 600;  // slower than the three flashes a second that some people must not see
 const kDifferenceShown = 0.5;  // of full scale: as blue or orange as it gets
 
-// By what is shown; `real` is how the real side is called, recorded or synthetic.
+// What no colour bar says; `real` is how the real side is called, recorded or synthetic.
 const keysOf = (real) => ({
-  real: 'Dark is 0, bright is full scale.',
-  simulated: 'Dark is 0, bright is full scale.',
   blink: `The ${real} and the simulated image in turn; the space bar changes over.`,
-  overlay: `Blue: brighter in the ${real} image. Orange: brighter in the simulated one. Grey: alike.`,
-  difference: `Blue: ${real} brighter. Orange: simulated brighter. Full colour at half of full scale.`,
+  difference: 'Full colour where one is brighter by half of full scale.',
   regions: `Object in the ${real} image alone: blue; in the simulated one alone: orange; in both: white.`,
 });
 
@@ -105,7 +102,16 @@ function drawRing(context, {width, index}, sample) {
   }
 }
 
-async function greyValues(image) {
+// Colours of the grey values 0 .. 255, from the filter by which the page colours its pictures.
+function infernoColours() {
+  const channels = [...document.querySelector('#inferno feComponentTransfer').children].map(
+      (channel) => channel.getAttribute('tableValues').split(' ').map((value) => Math.round(255 * value)));
+  return channels[0].map((_, i) => channels.map((channel) => channel[i]));
+}
+
+async function greyValues(id) {
+  const image = new Image();
+  image.src = document.getElementById(id).getAttribute('href');
   await image.decode();
   const canvas = document.createElement('canvas');
   canvas.width = image.naturalWidth;
@@ -126,11 +132,7 @@ function startViewer(root) {
   const slider = part('slider');
   const context = canvas.getContext('2d', {willReadFrequently: true});  // pixels are put, not painted
   const still = window.matchMedia('(prefers-reduced-motion: reduce)');
-  const colours = {inferno: [], grey: []};
-  for (let i = 0; i < 256; ++i) {
-    colours.inferno.push([0, 2, 4].map((at) => parseInt(data.inferno.substr(6 * i + at, 2), 16)));
-    colours.grey.push([i, i, i]);
-  }
+  const colours = {inferno: infernoColours(), grey: Array.from({length: 256}, (_, i) => [i, i, i])};
   const lookups = new Map();
   let shown = null;  // what the canvas shows: frame, images, lookup
   let cursor = -1;   // a sample
@@ -141,9 +143,7 @@ function startViewer(root) {
 
   async function load(frame) {
     const images = {};
-    for (const of of ['real', 'simulated', 'objects']) {
-      images[of] = await greyValues(root.querySelector(`img[data-frame="${frame}"][data-of="${of}"]`));
-    }
+    for (const [of, id] of Object.entries(data.frames[frame].pictures)) images[of] = await greyValues(id);
     return images;
   }
 
@@ -202,7 +202,11 @@ function startViewer(root) {
     }
     context.putImageData(picture, 0, 0);
     drawRing(context, shown.lookup, cursor);
-    part('key').textContent = keys[show];
+    part('key').textContent = keys[show] ?? '';
+    const bar = {overlay: 'overlay', difference: 'difference', regions: ''}[show] ?? part('colours').value;
+    const axes = `${chosen('view')} ${data.frames[shown.frame].geometry}`;
+    for (const of of root.querySelectorAll('[data-bar]')) of.toggleAttribute('hidden', of.dataset.bar !== bar);
+    for (const of of root.querySelectorAll('[data-axes]')) of.toggleAttribute('hidden', of.dataset.axes !== axes);
     part('which').textContent = show !== 'blink' ? '' : second ? 'simulated' : data.real;
   }
 

@@ -79,29 +79,34 @@ std::string TableRowHtml(const TableRow& row, const std::vector<TableColumn>& co
   return html + "</tr>\n";
 }
 
-// Width and height of a PNG, from its bytes 16 and 20. With them the page reserves the space before the
-// picture is decoded.
-std::array<std::uint32_t, 2> PngSize(const std::vector<std::uint8_t>& png) {
+// Size and kind of a PNG, from its header. With the size the page reserves the space before the picture is
+// decoded.
+StoredPicture ReadHeader(const std::vector<std::uint8_t>& png) {
   static constexpr std::array<std::uint8_t, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   SONARCAL_CHECK(png.size() > 24 && std::equal(kSignature.begin(), kSignature.end(), png.begin()),
                  "a picture of {} bytes is not a PNG file", png.size());
   const auto big_endian = [&](std::size_t offset) {
-    return std::uint32_t{png[offset]} << 24 | std::uint32_t{png[offset + 1]} << 16 |
-           std::uint32_t{png[offset + 2]} << 8 | std::uint32_t{png[offset + 3]};
+    return static_cast<int>(std::uint32_t{png[offset]} << 24 | std::uint32_t{png[offset + 1]} << 16 |
+                            std::uint32_t{png[offset + 2]} << 8 | std::uint32_t{png[offset + 3]});
   };
-  return {big_endian(16), big_endian(20)};
+  return {.id = {}, .rows = big_endian(20), .cols = big_endian(16), .is_grey = png[25] == 0};
 }
 
-std::string PictureHtml(const Picture& picture, std::size_t index, bool lettered) {
-  const auto [width, height] = PngSize(picture.png);
-  const std::string letter =
-      lettered && index < 26 ? fmt::format("<b>{}</b> ", static_cast<char>('a' + index)) : std::string();
-  return fmt::format(
-      "<figure class=\"picture\"><img{} width=\"{}\" height=\"{}\" alt=\"{}\" "
-      "src=\"data:image/png;base64,{}\"/><figcaption>{}{}</figcaption></figure>\n",
-      picture.crisp ? " class=\"crisp\"" : "", width, height,
-      EscapeHtml(picture.alt.empty() ? picture.caption : picture.alt), Base64(picture.png), letter,
-      EscapeHtml(picture.caption));
+std::size_t Hash(const std::vector<std::uint8_t>& png) {
+  return std::hash<std::string_view>{}({reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
+// Hash of what a picture shows.
+std::size_t Hash(const Picture& picture) {
+  if (!picture.plot) return Hash(picture.png);
+  return std::hash<std::string>{}(fmt::format("{} {} {} {}", Hash(picture.png), Hash(picture.plot->simulated),
+                                              static_cast<int>(picture.plot->view),
+                                              static_cast<int>(picture.plot->colours)));
+}
+
+bool ShowsOneColour(const Picture& picture) {
+  return IsOneColour(picture.png) &&
+         (!picture.plot || picture.plot->simulated.empty() || IsOneColour(picture.plot->simulated));
 }
 
 // Hash in the form of a Content-Security-Policy.
@@ -152,7 +157,7 @@ void HtmlReport::AddHeading(int level, std::string_view title) {
 }
 
 bool IsOneColour(const std::vector<std::uint8_t>& png) {
-  PngSize(png);  // checks that it is a PNG
+  ReadHeader(png);  // checks that it is a PNG
   const data_io::ImageFile file({reinterpret_cast<const char*>(png.data()), png.size()}, "picture");
   const RgbImage image = file.DecodeRgb();
   const auto is_outside = [](const data_io::Rgb& colour) { return colour == data_io::kOutsideColor; };
@@ -221,19 +226,46 @@ void HtmlReport::Add(const Table& table) {
   body_ += "</figure>\n";
 }
 
+StoredPicture HtmlReport::Store(const std::vector<std::uint8_t>& png) {
+  const auto [at, is_new] = stored_.try_emplace(Hash(png), ReadHeader(png));
+  if (is_new) {
+    at->second.id = fmt::format("picture-{}", stored_.size());
+    Append(body_,
+           "<svg class=\"data\" width=\"0\" height=\"0\" aria-hidden=\"true\"><defs><image id=\"{}\" "
+           "width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{}\"/></defs></svg>\n",
+           at->second.id, at->second.cols, at->second.rows, Base64(png));
+  }
+  return at->second;
+}
+
+std::string HtmlReport::PictureHtml(const Picture& picture, const std::string& letter) {
+  const std::string& alt = picture.alt.empty() ? picture.caption : picture.alt;
+  std::string drawing;
+  if (picture.plot) {
+    std::vector<StoredPicture> stored = {Store(picture.png)};
+    if (!picture.plot->simulated.empty()) stored.push_back(Store(picture.plot->simulated));
+    drawing = SonarPlotSvg(*picture.plot, stored, ++plot_count_, alt);
+  } else {
+    const StoredPicture header = ReadHeader(picture.png);
+    drawing = fmt::format("<img{} width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\"/>",
+                          picture.crisp ? " class=\"crisp\"" : "", header.cols, header.rows, EscapeHtml(alt),
+                          Base64(picture.png));
+  }
+  return fmt::format("<figure class=\"picture\">{}<figcaption>{}{}</figcaption></figure>\n", drawing, letter,
+                     EscapeHtml(picture.caption));
+}
+
 void HtmlReport::Add(const PictureRow& row) {
   SONARCAL_CHECK(!row.pictures.empty() && row.columns > 0, "{} pictures in {} columns", row.pictures.size(),
                  row.columns);
   std::vector<const Picture*> shown;
   std::string caption = row.caption;
   for (const Picture& picture : row.pictures) {
-    if (IsOneColour(picture.png)) {
+    if (ShowsOneColour(picture)) {
       caption += fmt::format(" {}: a single colour, not shown.", picture.caption);
       continue;
     }
-    const std::string_view bytes(reinterpret_cast<const char*>(picture.png.data()), picture.png.size());
-    const auto [at, is_new] =
-        pictured_in_.try_emplace(std::hash<std::string_view>{}(bytes), figure_count_ + 1);
+    const auto [at, is_new] = pictured_in_.try_emplace(Hash(picture), figure_count_ + 1);
     if (is_new) {
       shown.push_back(&picture);
     } else if (at->second <= figure_count_) {
@@ -245,8 +277,14 @@ void HtmlReport::Add(const PictureRow& row) {
     return;
   }
   const int columns = std::min(row.columns, static_cast<int>(shown.size()));
-  Append(body_, "<figure class=\"pictures\"><div class=\"columns\" style=\"--columns:{}\">\n", columns);
-  for (std::size_t i = 0; i < shown.size(); ++i) body_ += PictureHtml(*shown[i], i, shown.size() > 1);
+  std::string pictures;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const bool lettered = shown.size() > 1 && i < 26;
+    pictures += PictureHtml(*shown[i],
+                            lettered ? fmt::format("<b>{}</b> ", static_cast<char>('a' + i)) : std::string());
+  }
+  Append(body_, "<figure class=\"pictures\"><div class=\"columns\" style=\"--columns:{}\">\n{}", columns,
+         pictures);
   Append(body_, "</div>{}<figcaption><b>Figure {}.</b> {}</figcaption></figure>\n", LegendHtml(row.legend),
          ++figure_count_, EscapeHtml(caption));
 }
@@ -267,8 +305,10 @@ void HtmlReport::Add(const Waterfall& waterfall, std::string_view caption) {
 }
 
 void HtmlReport::Add(const FrameViewer& viewer) {
-  Append(body_, "<figure class=\"viewers\">{}<figcaption><b>Figure {}.</b> {}</figcaption></figure>\n",
-         FrameViewerHtml(viewer, ++viewer_count_), ++figure_count_, EscapeHtml(viewer.caption));
+  const std::string html =
+      FrameViewerHtml(viewer, ++viewer_count_, [this](const auto& png) { return Store(png).id; });
+  Append(body_, "<figure class=\"viewers\">{}<figcaption><b>Figure {}.</b> {}</figcaption></figure>\n", html,
+         ++figure_count_, EscapeHtml(viewer.caption));
 }
 
 void HtmlReport::Code(std::string_view text) {
@@ -282,7 +322,9 @@ void HtmlReport::Details(std::string_view summary, std::string_view text) {
 
 std::string HtmlReport::ContentsHtml() const {
   if (headings_.size() < 2) return {};
-  std::string html = "<nav aria-label=\"Contents\"><strong>Contents</strong><ol>";
+  // On a phone the list is closed until the box is ticked (report.css), without a script.
+  std::string html =
+      "<nav aria-label=\"Contents\"><label><input type=\"checkbox\"/><strong>Contents</strong></label><ol>";
   for (std::size_t i = 0; i < headings_.size(); ++i) {
     const Heading& heading = headings_[i];
     Append(html, "<li><a href=\"#{}\">{}</a>", heading.anchor, EscapeHtml(heading.title));
@@ -302,20 +344,22 @@ std::string HtmlReport::Html() const {
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
   html += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
   html += "<meta name=\"color-scheme\" content=\"light dark\"/>\n";
-  // Protects against injected text: the browser fetches nothing and runs only the script of the viewer, which
-  // is allowed by its hash.
+  // Protects against injected text: the browser fetches nothing and runs only the script of viewers and
+  // charts, which is allowed by its hash.
+  const bool has_script = viewer_count_ > 0 || !chart_figures_.empty();
   Append(html,
          "<meta http-equiv=\"Content-Security-Policy\" "
          "content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'{}\"/>\n",
-         viewer_count_ > 0 ? fmt::format("; script-src 'sha256-{}'", ScriptHashBase64()) : std::string());
+         has_script ? fmt::format("; script-src 'sha256-{}'", ScriptHashBase64()) : std::string());
   Append(html, "<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n", title, kReportCss);
   Append(html, "<header><h1>{}</h1>", title);
   if (!subtitle_.empty()) Append(html, "<p class=\"subtitle\">{}</p>", EscapeHtml(subtitle_));
   html += "</header>\n";
   html += ContentsHtml();
+  if (!stored_.empty()) html += SonarDefinitionsSvg();
   Append(html, "<main>\n{}</main>\n", body_);
   if (!footer_.empty()) Append(html, "<footer>{}</footer>\n", EscapeHtml(footer_));
-  if (viewer_count_ > 0) Append(html, "<script>{}</script>\n", kReportScript);
+  if (has_script) Append(html, "<script>{}</script>\n", kReportScript);
   html += "</body>\n</html>\n";
   return html;
 }

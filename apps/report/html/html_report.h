@@ -1,5 +1,5 @@
-// A report as one HTML file that opens offline. It makes no request, embeds its pictures, and has no script
-// except that of a frame viewer, if there is one. It follows the light or dark setting, prints, and fits a
+// A report as one HTML file that opens offline. It makes no request, embeds its pictures, each once, and has
+// no script except that of frame viewers and charts. It follows the light or dark setting, prints, and fits a
 // phone.
 //
 //   HtmlReport report("Tank comparison", "12 frames, simulated with the paper model");
@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -24,6 +25,7 @@
 
 #include "apps/report/html/frame_viewer.h"
 #include "apps/report/html/line_chart.h"
+#include "apps/report/html/sonar_plot.h"
 #include "apps/report/html/waterfall.h"
 
 namespace sonarcal::report {
@@ -61,10 +63,11 @@ struct Table {
 };
 
 struct Picture {
-  std::vector<std::uint8_t> png;  // encoded file, shown at its own size or smaller; enlarge it before
-  std::string caption;            // short: "Recorded", "Simulated", "Overlay"
-  std::string alt = {};           // description for screen readers; empty: the caption
-  bool crisp = false;             // enlarges by repeating pixels, without smoothing
+  std::vector<std::uint8_t> png;       // encoded file, shown at its own size or smaller; enlarge it before
+  std::string caption;                 // short: "Recorded", "Simulated", "Overlay"
+  std::string alt = {};                // description for screen readers; empty: the caption
+  bool crisp = false;                  // enlarges by repeating pixels, without smoothing
+  std::optional<SonarPlot> plot = {};  // a sonar image: drawn with axes and a colour bar
 };
 
 struct LegendEntry {
@@ -150,6 +153,9 @@ class HtmlReport {
   };
 
   void AddHeading(int level, std::string_view title);
+  // Puts a picture into the page, or finds the one with the same bytes.
+  StoredPicture Store(const std::vector<std::uint8_t>& png);
+  std::string PictureHtml(const Picture& picture, const std::string& letter);
   std::string ContentsHtml() const;
 
   std::string title_;
@@ -163,9 +169,11 @@ class HtmlReport {
   std::vector<ChartFigure> chart_figures_;
   std::vector<WaterfallFigure> waterfalls_;
   std::set<std::string, std::less<>> said_once_;
-  std::map<std::size_t, int> pictured_in_;  // figure number by hash of the picture
+  std::map<std::size_t, int> pictured_in_;       // figure number by hash of the picture
+  std::map<std::size_t, StoredPicture> stored_;  // by hash of the PNG
   int figure_count_ = 0;
   int viewer_count_ = 0;
+  int plot_count_ = 0;
 };
 
 }  // namespace sonarcal::report

@@ -9,11 +9,16 @@
 #include <limits>
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
+#include "apps/report/html/axis_ticks.h"
 #include "apps/report/html/html_text.h"
 #include "core/types/error.h"
 
 namespace sonarcal::report {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 // Sizes in units of the drawing, which the page scales. Text has these units too, and is larger on a phone
 // (report.css). The margins leave room for that.
@@ -37,16 +42,6 @@ struct Scale {
   bool Contains(double value) const { return value >= min && value <= max; }  // false for NaN
 };
 
-// Returns the smallest of 1, 2, 5 x 10^k that gives at most `count` steps.
-double NiceStep(double span, int count) {
-  const double rough = span / count;
-  const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= rough * (1.0 - 1e-9)) return factor * power;
-  }
-  return 10.0 * power;
-}
-
 Scale MakeScale(const ChartAxis& axis, double data_min, double data_max, int tick_count) {
   if (!(data_min <= data_max)) {  // no finite value
     data_min = 0.0;
@@ -63,7 +58,7 @@ Scale MakeScale(const ChartAxis& axis, double data_min, double data_max, int tic
   scale.step = NiceStep(max - min, tick_count);
   scale.min = axis.min ? min : std::floor(min / scale.step + 1e-9) * scale.step;
   scale.max = axis.max ? max : std::ceil(max / scale.step - 1e-9) * scale.step;
-  scale.decimals = std::max(0, -static_cast<int>(std::floor(std::log10(scale.step) + 1e-9)));
+  scale.decimals = DecimalsOf(scale.step);
   return scale;
 }
 
@@ -99,12 +94,17 @@ Scales FitScales(const LineChart& chart) {
           MakeScale(chart.y, bounds[1][0], bounds[1][1], 5)};
 }
 
+std::string AxisText(const ChartAxis& axis) {
+  return axis.unit.empty() ? axis.label : axis.label + " (" + axis.unit + ")";
+}
+
 class Drawing {
  public:
   explicit Drawing(const Scales& scales) : scales_(scales) {}
 
   void Axes(const LineChart& chart) {
-    for (double tick = FirstTick(scales_.y); tick <= LastTick(scales_.y); tick += scales_.y.step) {
+    Append("<g class=\"ticks\">");
+    for (const double tick : TicksWithin(scales_.y.min, scales_.y.max, scales_.y.step)) {
       const double y = kTop + PlotY(tick);
       Append("<line class=\"grid\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>", kLeft, y,
              kLeft + kPlotWidth, y);
@@ -112,18 +112,19 @@ class Drawing {
              kLeft - 7.0, y, TickText(tick, scales_.y));
     }
     const double base = kTop + kPlotHeight;
-    for (double tick = FirstTick(scales_.x); tick <= LastTick(scales_.x); tick += scales_.x.step) {
+    for (const double tick : TicksWithin(scales_.x.min, scales_.x.max, scales_.x.step)) {
       const double x = kLeft + PlotX(tick);
       Append("<line class=\"mark\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>", x, base, x,
              base + 5.0);
       Append("<text class=\"tick\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", x,
              base + 19.0, TickText(tick, scales_.x));
     }
+    Append("</g>");
     Append("<line class=\"axis\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>", kLeft, base,
            kLeft + kPlotWidth, base);
     Append("<text class=\"name\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", kLeft + kPlotWidth,
-           kHeight - 7.0, AxisText(chart.x));
-    Append("<text class=\"name\" x=\"4\" y=\"15\">{}</text>", AxisText(chart.y));
+           kHeight - 7.0, EscapeHtml(AxisText(chart.x)));
+    Append("<text class=\"name\" x=\"4\" y=\"15\">{}</text>", EscapeHtml(AxisText(chart.y)));
   }
 
   // An inner <svg> clips to the range of the axes, without an id.
@@ -181,15 +182,7 @@ class Drawing {
     fmt::format_to(std::back_inserter(svg_), format, std::forward<Args>(args)...);
   }
 
-  static double FirstTick(const Scale& scale) {
-    return std::ceil(scale.min / scale.step - 1e-9) * scale.step;
-  }
-  static double LastTick(const Scale& scale) { return scale.max + 1e-9 * scale.step; }
   static std::string TickText(double tick, const Scale& scale) { return FormatNumber(tick, scale.decimals); }
-  static std::string AxisText(const ChartAxis& axis) {
-    return EscapeHtml(axis.unit.empty() ? axis.label : axis.label + " (" + axis.unit + ")");
-  }
-
   double PlotX(double value) const { return kPlotWidth * scales_.x.Fraction(value); }
   double PlotY(double value) const { return kPlotHeight * (1.0 - scales_.y.Fraction(value)); }
   void AppendPoint(std::string& path, char command, double x, double y) const {
@@ -225,6 +218,38 @@ std::string LegendHtml(const LineChart& chart) {
         Swatch(chart.series[i], ColourOf(chart.series[i], i)), EscapeHtml(chart.series[i].name));
   }
   return html + "</ul>";
+}
+
+// Five digits; null if the value is not finite.
+Json JsonOf(double value) {
+  return std::isfinite(value) ? Json(std::stod(fmt::format("{:.5g}", value))) : Json(nullptr);
+}
+
+Json JsonOf(const std::vector<double>& values) {
+  Json json = Json::array();
+  for (const double value : values) json.push_back(JsonOf(value));
+  return json;
+}
+
+// Axes and values for chart.js.
+std::string DataOf(const LineChart& chart) {
+  const Scales scales = FitScales(chart);
+  const auto axis = [](const Scale& scale, const ChartAxis& of) {
+    return Json{{"min", scale.min}, {"max", scale.max}, {"text", AxisText(of)}};
+  };
+  Json series = Json::array();
+  for (const ChartSeries& of : chart.series) {
+    series.push_back({{"name", of.name}, {"x", JsonOf(of.x)}, {"y", JsonOf(of.y)}});
+    if (of.low.empty()) continue;
+    Json& band = series.back()["band"] = Json::array();
+    for (std::size_t i = 0; i < of.low.size(); ++i)
+      band.push_back(HasBand(of, i) ? Json{JsonOf(of.low[i]), JsonOf(of.high[i])} : Json(nullptr));
+  }
+  const Json data = {{"box", {kLeft, kTop, kPlotWidth, kPlotHeight}},
+                     {"x", axis(scales.x, chart.x)},
+                     {"y", axis(scales.y, chart.y)},
+                     {"series", series}};
+  return data.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 void Check(const ChartSeries& series) {
@@ -272,9 +297,10 @@ std::string LineChartHtml(const LineChart& chart) {
   const std::string plot = PlotSvg(chart);
   const std::string& alt = chart.alt.empty() ? chart.title : chart.alt;
   return fmt::format(
-      "<figure class=\"chart\"><div class=\"chart-title\">{}</div>"
+      "<figure class=\"chart\" data-chart=\"{}\"><div class=\"chart-title\">{}</div>"
       "<svg class=\"plot\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">{}</svg>{}</figure>\n",
-      EscapeHtml(chart.title), kWidth, kHeight, EscapeHtml(alt), plot, LegendHtml(chart));
+      EscapeHtml(DataOf(chart)), EscapeHtml(chart.title), kWidth, kHeight, EscapeHtml(alt), plot,
+      LegendHtml(chart));
 }
 
 std::string LineChartSvg(const LineChart& chart) {

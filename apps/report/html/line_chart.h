@@ -1,6 +1,6 @@
 // A line chart as inline SVG: lines, dashed lines and points over two linear axes, with an optional band
 // about each series. Colours and line widths come from report.css, so that a chart follows the light or dark
-// setting.
+// setting. chart.js adds values under the pointer and zoom.
 #pragma once
 
 #include <optional>

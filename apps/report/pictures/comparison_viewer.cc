@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <set>
 
-#include "core/types/error.h"
+#include "apps/report/pictures/sonar_picture.h"
 #include "data_io/images/image_io.h"
 
 namespace sonarcal::report {
@@ -14,15 +12,6 @@ namespace {
 
 constexpr std::size_t kPictureBytes = 7'500'000;
 constexpr std::size_t kMinFrames = 3;
-
-std::vector<std::uint8_t> GreyPng(const PolarImage& image) {
-  Grid<std::uint8_t> grey(image.value.rows(), image.value.cols());
-  std::ranges::transform(image.value.values(), grey.values().begin(), [&](float value) {
-    const double level = 255.0 * value / image.scale.full_scale;
-    return static_cast<std::uint8_t>(std::lround(std::clamp(level, 0.0, 255.0)));
-  });
-  return data_io::EncodePng(grey);
-}
 
 std::string FigureText(const std::optional<double>& value) {
   return value ? fmt::format("{:.3f}", *value) : "none";
@@ -38,23 +27,17 @@ std::size_t ViewerFrameCount(std::size_t pixels, std::size_t frames) {
 
 ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated,
                             const metrics::FrameMetrics& metrics, metrics::IntensityDomain domain) {
-  SONARCAL_CHECK(metrics.masks.has_value(), "frame {} was compared without masks", metrics.index);
-  Grid<std::uint8_t> objects(real.value.rows(), real.value.cols());
-  std::ranges::transform(metrics.masks->polar_real.values(), metrics.masks->polar_simulated.values(),
-                         objects.values().begin(), [](std::uint8_t in_real, std::uint8_t in_simulated) {
-                           return std::uint8_t((in_real != 0 ? 1 : 0) + (in_simulated != 0 ? 2 : 0));
-                         });
-  return {.name = metrics.name.empty() ? fmt::format("frame {}", metrics.index)
-                                       : fmt::format("frame {}: {}", metrics.index, metrics.name),
+  const std::string number = fmt::format("frame {}", metrics.index);
+  return {.name = metrics.name.empty() || metrics.name == number ? number : number + ": " + metrics.name,
           .figures =
               fmt::format("IoU {}, intensity error {}, Ns/Nr {}", FigureText(metrics.polar.occupancy.iou()),
                           FigureText(metrics.polar.intensity.Over(domain).mean_absolute()),
                           FigureText(metrics.polar.occupancy.ns_over_nr())),
           .axes = real.axes,
           .full_scale = real.scale.full_scale,
-          .real = GreyPng(real),
-          .simulated = GreyPng(simulated),
-          .objects = data_io::EncodePng(objects)};
+          .real = GreyPng(real.value, 0.0, real.scale.full_scale),
+          .simulated = GreyPng(simulated.value, 0.0, real.scale.full_scale),
+          .objects = data_io::EncodePng(ObjectRegions(metrics))};
 }
 
 std::string ViewerCaption(std::size_t shown, std::size_t compared) {

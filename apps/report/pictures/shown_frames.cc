@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/report/pictures/comparison_viewer.h"
+#include "core/types/error.h"
 
 namespace sonarcal::report {
 namespace {
@@ -16,7 +17,7 @@ class FrameShow {
   void Add(const PolarImage& real, const PolarImage& simulated, const metrics::FrameMetrics& metrics) {
     shown_.viewer.frames.push_back(MakeViewerFrame(real, simulated, metrics, domain_));
     if (std::ranges::find(examples_, metrics.index) == examples_.end()) return;
-    shown_.pictures.push_back(maker_.Make(real, simulated, metrics));
+    shown_.examples.push_back({real, simulated, metrics});
   }
 
   ShownFrames Finish(bool real_is_synthetic, std::size_t compared) {
@@ -28,7 +29,6 @@ class FrameShow {
  private:
   std::vector<int> examples_;
   metrics::IntensityDomain domain_;
-  PictureMaker maker_;
   ShownFrames shown_;
 };
 
@@ -54,15 +54,10 @@ ShownFrames ShowFrames(const RecordingSource& real, const RecordingSource& simul
   return show.Finish(real.info().synthetic, report.frames.size());
 }
 
-FitPictures ShowFit(const workflow::RecordingFit& fit) {
-  FitPictures pictures;
-  if (fit.frames_after.empty()) return pictures;
-  PictureMaker maker;
+ShownFrames ShowFit(const workflow::RecordingFit& fit) {
+  if (fit.frames_after.empty()) return {};
   std::vector<int> examples;
-  for (const workflow::ComparedFrame& frame : fit.frames_before) {
-    examples.push_back(frame.metrics.index);
-    pictures.before.push_back(maker.Make(frame.real, frame.simulated, frame.metrics));
-  }
+  for (const workflow::ComparedFrame& frame : fit.frames_before) examples.push_back(frame.metrics.index);
   const std::size_t pixels = fit.frames_after.front().real.value.size();
   const std::vector<int> viewed = ViewedFrames(fit.after, examples, pixels, fit.frames_after.size());
   FrameShow show(examples, fit.after.options.intensity_domain);
@@ -70,10 +65,18 @@ FitPictures ShowFit(const workflow::RecordingFit& fit) {
     if (std::ranges::find(viewed, frame.metrics.index) == viewed.end()) continue;
     show.Add(frame.real, frame.simulated, frame.metrics);
   }
-  ShownFrames shown = show.Finish(fit.after.real_is_synthetic, fit.after.frames.size());
-  pictures.after = std::move(shown.pictures);
-  pictures.viewer = std::move(shown.viewer);
-  return pictures;
+  return show.Finish(fit.after.real_is_synthetic, fit.after.frames.size());
+}
+
+const workflow::ComparedFrame& MiddleFrame(const std::vector<workflow::ComparedFrame>& frames,
+                                           metrics::IntensityDomain domain) {
+  SONARCAL_CHECK(!frames.empty(), "no frame");
+  std::vector<const workflow::ComparedFrame*> by_error;
+  for (const workflow::ComparedFrame& frame : frames) by_error.push_back(&frame);
+  std::ranges::stable_sort(by_error, {}, [&](const workflow::ComparedFrame* frame) {
+    return frame->metrics.polar.intensity.Over(domain).mean_absolute().value_or(1.0);
+  });
+  return *by_error[by_error.size() / 2];
 }
 
 }  // namespace sonarcal::report

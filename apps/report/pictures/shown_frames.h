@@ -6,29 +6,26 @@
 #include <vector>
 
 #include "apps/report/html/frame_viewer.h"
-#include "apps/report/pictures/comparison_pictures.h"
 #include "apps/workflow/compare.h"
 #include "apps/workflow/fit.h"
 
 namespace sonarcal::report {
 
 struct ShownFrames {
-  std::vector<FramePictures> pictures;  // example frames
+  std::vector<workflow::ComparedFrame> examples;
   FrameViewer viewer;
 };
 
-// Compares frames again, see workflow::CompareAgain. Frames of `examples` get pictures.
+// Compares frames again, see workflow::CompareAgain. Keeps those of `examples`.
 ShownFrames ShowFrames(const RecordingSource& real, const RecordingSource& simulated,
                        const workflow::CompareRecordingsOptions& options,
                        const metrics::MetricsReport& report, const std::vector<int>& examples);
 
-struct FitPictures {
-  std::vector<FramePictures> before;  // same frames as `after`
-  std::vector<FramePictures> after;
-  FrameViewer viewer;  // after the fit
-};
+// Frames after the fit, of those whose images the fit kept. The examples are those of `fit.frames_before`.
+ShownFrames ShowFit(const workflow::RecordingFit& fit);
 
-// Pictures of the frames whose images the fit kept.
-FitPictures ShowFit(const workflow::RecordingFit& fit);
+// Returns the frame with the middle intensity error.
+const workflow::ComparedFrame& MiddleFrame(const std::vector<workflow::ComparedFrame>& frames,
+                                           metrics::IntensityDomain domain);
 
 }  // namespace sonarcal::report

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/fit_section.h"
 #include "apps/workflow/calibration/calibration_plan.h"
 
@@ -29,11 +30,13 @@ std::string AgreementSentence(const workflow::Calibration& calibration) {
 
 }  // namespace
 
-void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration) {
+void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration, bool is_synthetic,
+                    const std::string& recording) {
   std::string open = "The recording determines every value that was fitted.";
   if (!calibration.open.empty())
     open = "It could not determine: " + fmt::format("{}.", fmt::join(calibration.open, "; "));
-  report.Paragraph(AgreementSentence(calibration) + " " + open);
+  AddFitOpening(report, calibration.evaluation, {AgreementSentence(calibration), open});
+  AddSyntheticCallout(report, is_synthetic, recording);
   AddFitWarnings(report, calibration.evaluation.fit.report);
   AddFitKeyFigures(report, calibration.evaluation);
   report.Section("Decisions");

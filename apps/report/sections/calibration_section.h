@@ -8,9 +8,10 @@
 
 namespace sonarcal::report {
 
-// Adds agreement, decisions, geometry and values. The first sentence says how far the simulator is from the
-// recording, beside the lowest error possible, and what the recording could not determine.
-void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration);
+// Adds agreement, decisions, geometry and values. Opens with a frame and two sentences: how far the simulator
+// is from the recording, beside the lowest error possible, and what the recording could not determine.
+void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration, bool is_synthetic,
+                    const std::string& recording);
 
 // Short form of these sections.
 std::string CalibrationText(const workflow::Calibration& calibration);

@@ -1,6 +1,7 @@
 #include "apps/report/sections/comparison_section.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "apps/report/html/html_text.h"
+#include "apps/report/pictures/sonar_picture.h"
 #include "apps/report/sections/figure_words.h"
 #include "apps/report/sections/segmentation_text.h"
 
@@ -145,6 +147,25 @@ Table FrameTable(const metrics::MetricsReport& metrics) {
   return table;
 }
 
+const char* KindOf(SonarView view) {
+  return view == SonarView::kPolar ? "polar" : "fan";
+}
+
+// Recorded (or synthetic), simulated and overlaid.
+PictureRow RowOf(const workflow::ComparedFrame& frame, SonarView view, const std::string& caption,
+                 bool real_is_synthetic) {
+  const std::string real = RealCaption(real_is_synthetic);
+  const auto alt = [&](const std::string& what) {
+    return fmt::format("{}, {} view of frame {}", what, KindOf(view), frame.metrics.index);
+  };
+  return {.caption = caption,
+          .pictures = {SonarPicture(frame.real, view, real, alt(real + " image")),
+                       SonarPicture(frame.simulated, view, "Simulated", alt("Simulated image")),
+                       OverlayPicture(frame.real, frame.simulated, view, RealWord(real_is_synthetic),
+                                      alt("Both images superimposed"))},
+          .columns = 4};
+}
+
 }  // namespace
 
 void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::string& real_name) {
@@ -210,32 +231,34 @@ void AddPictureLegend(HtmlReport& report, const std::string& real) {
       real));
 }
 
-void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption,
+void AddOpening(HtmlReport& report, const workflow::ComparedFrame& frame, const std::string& caption,
+                bool real_is_synthetic, const std::vector<std::string>& sentences) {
+  const std::string what = fmt::format("Frame {}, {}, fan view.", frame.metrics.index, caption);
+  PictureRow row = RowOf(frame, SonarView::kFan, what, real_is_synthetic);
+  row.columns = 3;
+  report.Add(row);
+  report.Paragraph(fmt::format("{}", fmt::join(sentences, " ")));
+}
+
+void AddFramePictures(HtmlReport& report, const workflow::ComparedFrame& frame, const std::string& caption,
                       bool real_is_synthetic) {
-  const FramePictures pictures = ForPage(of_frame);
-  const std::string real = RealCaption(real_is_synthetic);
-  const std::vector<LegendEntry> legend = {
-      {"#0072b2", RealWord(real_is_synthetic) + " only"}, {"#e69f00", "simulated only"}, {"#ebebeb", "both"}};
-  const bool any_object = !IsOneColour(pictures.polar.regions);
-  const auto add = [&](const ViewPictures& view, const char* kind) {
-    const auto alt = [&](const std::string& what) {
-      return fmt::format("{}, {} view of frame {}", what, kind, pictures.index);
-    };
-    PictureRow row{.caption = fmt::format("{}, {} view.", caption, kind),
-                   .pictures = {{view.real, real, alt(real + " image")},
-                                {view.simulated, "Simulated", alt("Simulated image")},
-                                {view.overlay, "Overlay", alt("Both images superimposed")}},
-                   .columns = 4,
-                   .legend = legend};
+  const Grid<std::uint8_t> regions = ObjectRegions(frame.metrics);
+  const bool any_object = std::ranges::any_of(regions.values(), [](std::uint8_t of) { return of != 0; });
+  for (const SonarView view : {SonarView::kPolar, SonarView::kFan}) {
+    const std::string kind = KindOf(view);
+    PictureRow row = RowOf(frame, view, fmt::format("{}, {} view.", caption, kind), real_is_synthetic);
     if (any_object) {
-      row.pictures.push_back({view.regions, "Object regions", alt("Object regions of both images")});
+      row.pictures.push_back(RegionsPicture(
+          frame.real.axes, regions, view,
+          fmt::format("Object regions of both images, {} view of frame {}", kind, frame.metrics.index)));
+      row.legend = {{"#0072b2", RealWord(real_is_synthetic) + " only"},
+                    {"#e69f00", "simulated only"},
+                    {"#ebebeb", "both"}};
     } else {
       row.caption += " No object is found in either image.";
     }
     report.Add(row);
-  };
-  add(pictures.polar, "polar");
-  add(pictures.fan, "fan");
+  }
 }
 
 void AddMetricDefinitions(HtmlReport& report, const metrics::MetricsReport& metrics) {

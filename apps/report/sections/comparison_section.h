@@ -6,13 +6,18 @@
 #include <vector>
 
 #include "apps/report/html/html_report.h"
-#include "apps/report/pictures/comparison_pictures.h"
+#include "apps/workflow/compare.h"
 #include "metrics/json/metrics_json.h"
 
 namespace sonarcal::report {
 
 // Adds a box that states which side is synthetic, also if a sonar recorded the real side.
 void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::string& real_name);
+
+// Opens a page: a frame as recorded (or synthetic), simulated and overlaid, then the result in two sentences.
+// `caption`: which frame it is, such as "after the fit".
+void AddOpening(HtmlReport& report, const workflow::ComparedFrame& frame, const std::string& caption,
+                bool real_is_synthetic, const std::vector<std::string>& sentences);
 
 // Adds the few most important numbers.
 void AddKeyFigures(HtmlReport& report, const metrics::MetricsReport& metrics);
@@ -29,7 +34,7 @@ void AddBeforeAfterTable(HtmlReport& report, const metrics::MetricsReport& befor
 void AddPictureLegend(HtmlReport& report, const std::string& real);
 
 // Adds recorded (or synthetic), simulated, overlay and regions of one frame, polar and fan.
-void AddFramePictures(HtmlReport& report, const FramePictures& of_frame, const std::string& caption,
+void AddFramePictures(HtmlReport& report, const workflow::ComparedFrame& frame, const std::string& caption,
                       bool real_is_synthetic);
 
 // Adds a section that explains the numbers, the segmentation and the noise floor.

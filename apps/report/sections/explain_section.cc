@@ -10,9 +10,9 @@
 
 #include "apps/report/html/html_text.h"
 #include "apps/report/pictures/cause_pictures.h"
+#include "apps/report/pictures/sonar_picture.h"
 #include "apps/report/sections/fit_section.h"
 #include "data_io/images/image_io.h"
-#include "data_io/pictures/picture.h"
 
 namespace sonarcal::report {
 namespace {
@@ -324,11 +324,13 @@ void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained
   for (std::size_t i = 0; i < std::min(kMax, explained.maps.size()); ++i) {
     const workflow::CauseMap& map = explained.maps[i];
     row.pictures.push_back(
-        {.png = data_io::EncodePng(data_io::StretchPolar(data_io::Colorize(map.recorded))),
-         .caption = fmt::format("Frame {}, {}", map.index, RealWord(presentation.synthetic))});
-    row.pictures.push_back({.png = data_io::EncodePng(CausePicture(map.cause)),
-                            .caption = fmt::format("Frame {}, causes", map.index),
-                            .crisp = true});
+        SonarPicture(map.recorded, SonarView::kPolar,
+                     fmt::format("Frame {}, {}", map.index, RealWord(presentation.synthetic)), {}));
+    row.pictures.push_back(
+        {.png = data_io::EncodePng(CausePicture(map.cause)),
+         .caption = fmt::format("Frame {}, causes", map.index),
+         .plot = SonarPlot{
+             .axes = map.recorded.axes, .view = SonarView::kPolar, .colours = SonarColours::kCategories}});
   }
   report.Add(row);
   Table table{.caption = "Shares of the bright cells of the frames held out",

@@ -1,6 +1,7 @@
 #include "apps/report/sections/fit_section.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +11,10 @@
 
 #include "apps/report/html/html_text.h"
 #include "apps/report/pictures/shown_frames.h"
+#include "apps/report/pictures/sonar_picture.h"
 #include "apps/report/sections/agreement_section.h"
 #include "apps/report/sections/comparison_section.h"
-#include "data_io/images/image_io.h"
-#include "data_io/pictures/picture.h"
+#include "apps/report/sections/figure_words.h"
 #include "sim/physics/gsab.h"
 
 namespace sonarcal::report {
@@ -223,6 +224,39 @@ std::string FrameList(const std::vector<int>& frames) {
   return text;
 }
 
+std::vector<std::string> FitInWords(const workflow::RecordingFit& fit, const std::string& name) {
+  const metrics::IntensityDomain domain = fit.after.options.intensity_domain;
+  const metrics::ViewSummary& before = fit.before.aggregate.macro.polar;
+  const metrics::ViewSummary& after = fit.after.aggregate.macro.polar;
+  const std::size_t frames = fit.after.frames.size();
+  return {
+      fmt::format("On {} {} frame{}, the object regions of the {} and the simulated images have an IoU of {} "
+                  "after {}, and had {} before.",
+                  frames, fit.judged_on_held_out ? "held-out" : "fitted", frames == 1 ? "" : "s",
+                  RealWord(fit.after.real_is_synthetic), FigureText(after.At("iou").value), name,
+                  FigureText(before.At("iou").value)),
+      fmt::format("Over {}, the grey values differ by {} of full scale after {}, and by {} before.",
+                  DomainText(domain), FigureText(after.Over(domain).mean_absolute.value), name,
+                  FigureText(before.Over(domain).mean_absolute.value))};
+}
+
+void AddFitOpening(HtmlReport& report, const workflow::RecordingFit& fit,
+                   const std::vector<std::string>& sentences, const std::string& name) {
+  std::vector<workflow::ComparedFrame> examples;
+  for (const workflow::ComparedFrame& after : fit.frames_after) {
+    if (std::ranges::any_of(fit.frames_before, [&](const workflow::ComparedFrame& before) {
+          return before.metrics.index == after.metrics.index;
+        }))
+      examples.push_back(after);
+  }
+  if (examples.empty()) {
+    report.Paragraph(fmt::format("{}", fmt::join(sentences, " ")));
+  } else {
+    AddOpening(report, MiddleFrame(examples, fit.after.options.intensity_domain), "after " + name,
+               fit.after.real_is_synthetic, sentences);
+  }
+}
+
 void AddFitWarnings(HtmlReport& report, const calib::FitReport& fit, const std::string& model) {
   const std::string title =
       model.empty() ? "This fit is doubtful" : fmt::format("The fit of the {} is doubtful", model);
@@ -281,13 +315,13 @@ void AddFitComparison(HtmlReport& report, const workflow::RecordingFit& fit) {
   report.Paragraph("The expected image after the fit:");
   report.List(SummaryInWords(fit.after));
   const bool synthetic = fit.after.real_is_synthetic;
-  const FitPictures pictures = ShowFit(fit);
-  if (!pictures.after.empty()) AddPictureLegend(report, RealWord(synthetic));
-  if (!pictures.viewer.frames.empty()) report.Add(pictures.viewer);
-  for (std::size_t i = 0; i < pictures.after.size(); ++i) {
-    const std::string frame = fmt::format("Frame {}", pictures.after[i].index);
-    AddFramePictures(report, pictures.before[i], frame + ", before the fit", synthetic);
-    AddFramePictures(report, pictures.after[i], frame + ", after the fit", synthetic);
+  const ShownFrames shown = ShowFit(fit);
+  if (!shown.examples.empty()) AddPictureLegend(report, RealWord(synthetic));
+  if (!shown.viewer.frames.empty()) report.Add(shown.viewer);
+  for (std::size_t i = 0; i < shown.examples.size(); ++i) {
+    const std::string frame = fmt::format("Frame {}", shown.examples[i].metrics.index);
+    AddFramePictures(report, fit.frames_before[i], frame + ", before the fit", synthetic);
+    AddFramePictures(report, shown.examples[i], frame + ", after the fit", synthetic);
   }
 }
 
@@ -300,7 +334,6 @@ void AddUnexplained(HtmlReport& report, const workflow::RecordingFit& fit) {
                   100.0 * *fit.fit.report.down_weighted_share));
   PictureRow row{.caption = "Weights of the pixels in the fit: black is full weight, brighter is less",
                  .pictures = {}};
-  constexpr int kHeightPx = 360;
   std::vector<int> dark;  // frames with an empty map
   for (std::size_t i = 0; i < fit.weights.size() && row.pictures.size() < kMapsShown; ++i) {
     Grid<float> missing = fit.weights[i];
@@ -311,10 +344,12 @@ void AddUnexplained(HtmlReport& report, const workflow::RecordingFit& fit) {
       dark.push_back(fit.fit.report.frames_used[i]);
       continue;
     }
-    const RgbImage map =
-        data_io::Colorize(missing, data_io::ValueWindow{0.0, 1.0}, data_io::ColorMap::kInferno);
-    row.pictures.push_back({.png = data_io::EncodePng(data_io::StretchPolar(map, kHeightPx)),
-                            .caption = fmt::format("Frame {}", fit.fit.report.frames_used[i])});
+    row.pictures.push_back({.png = GreyPng(missing, 0.0, 1.0),
+                            .caption = fmt::format("Frame {}", fit.fit.report.frames_used[i]),
+                            .plot = SonarPlot{.axes = fit.axes,
+                                              .view = SonarView::kPolar,
+                                              .colours = SonarColours::kInferno,
+                                              .bar = {"weight 1", "", "weight 0"}}});
   }
   if (!dark.empty()) {
     report.Paragraph(fmt::format(

@@ -2,11 +2,20 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/report/html/html_report.h"
 #include "apps/workflow/fit.h"
 
 namespace sonarcal::report {
+
+// Opens a page with a frame after the fit and the result in two sentences. Only the sentences if the fit kept
+// no images.
+void AddFitOpening(HtmlReport& report, const workflow::RecordingFit& fit,
+                   const std::vector<std::string>& sentences, const std::string& name = "the fit");
+
+// Returns the agreement after and before the fit, in two sentences. `name`: of the fit.
+std::vector<std::string> FitInWords(const workflow::RecordingFit& fit, const std::string& name = "the fit");
 
 // Adds the warnings of the fit, before any figure.
 void AddFitWarnings(HtmlReport& report, const calib::FitReport& fit, const std::string& model = {});

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/report/html/html_text.h"
-#include "apps/report/pictures/comparison_pictures.h"
 #include "apps/report/sections/comparison_section.h"
 #include "core/types/units.h"
 
@@ -72,8 +71,24 @@ void AddCandidates(HtmlReport& report, const calib::PoseSearchResult& search) {
   report.Add(table);
 }
 
-void AddLocation(HtmlReport& report, const workflow::Location& location, bool real_is_synthetic) {
-  PictureMaker maker;
+void AddLocation(HtmlReport& report, const workflow::Location& location, bool real_is_synthetic,
+                 const std::string& recording) {
+  if (!location.frames.empty() && !location.frames.front().images.empty()) {
+    const workflow::LocatedFrame& frame = location.frames.front();
+    const workflow::CandidateImages& images = frame.images.front();
+    const calib::TargetPose& pose = frame.search.candidates.front().pose;
+    workflow::ComparedFrame compared{location.recording->ReadFrame(0).image, images.expected,
+                                     images.of_expected};
+    compared.metrics.index = frame.frame;
+    AddOpening(
+        report, compared, "at the best pose", real_is_synthetic,
+        {fmt::format("The best pose of the target in frame {} is at a range of {:.3f} m and an azimuth of "
+                     "{:.2f} deg.",
+                     frame.frame, pose.range_m, DegFromRad(pose.azimuth_rad)),
+         fmt::format("There the object regions of the {} and the simulated image have an IoU of {}.",
+                     RealWord(real_is_synthetic), IouText(images.of_expected))});
+  }
+  AddSyntheticCallout(report, real_is_synthetic, recording);
   for (std::size_t i = 0; i < location.frames.size(); ++i) {
     const workflow::LocatedFrame& frame = location.frames[i];
     const calib::PoseSearchResult& search = frame.search;
@@ -92,13 +107,13 @@ void AddLocation(HtmlReport& report, const workflow::Location& location, bool re
           "IoU of the object regions: {} with the expected image, {} with a speckled sample. The backscatter "
           "curve is not fitted.",
           IouText(images.of_expected), IouText(images.of_sample)));
-      FramePictures pictures = maker.Make(recorded, images.expected, images.of_expected);
-      pictures.index = frame.frame;
-      AddFramePictures(report, pictures, fmt::format("Pose {}, expected image", k + 1), real_is_synthetic);
+      workflow::ComparedFrame compared{recorded, images.expected, images.of_expected};
+      compared.metrics.index = frame.frame;
+      AddFramePictures(report, compared, fmt::format("Pose {}, expected image", k + 1), real_is_synthetic);
       if (k > 0) continue;
-      pictures = maker.Make(recorded, images.sample, images.of_sample);
-      pictures.index = frame.frame;
-      AddFramePictures(report, pictures, "Pose 1, speckled sample", real_is_synthetic);
+      compared = {recorded, images.sample, images.of_sample};
+      compared.metrics.index = frame.frame;
+      AddFramePictures(report, compared, "Pose 1, speckled sample", real_is_synthetic);
     }
   }
 }

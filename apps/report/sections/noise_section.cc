@@ -129,16 +129,24 @@ Picture ResidualMap(const calib::NoiseAgreement& agreement, const calib::NoiseCe
     ++cells;
   }
   const double limit = std::max(1e-3, 3.0 * std::sqrt(square / std::max(1, cells)));
+  PolarAxes axes = cells_of.axes;
+  axes.range_min_m = cells_of.axes.range_edge_m(cells_of.first_bin);
+  axes.range_max_m = cells_of.axes.range_edge_m(cells_of.last_bin);
+  axes.range_bins = cells_of.last_bin - cells_of.first_bin;
+  Grid<float> pixels(axes.range_bins, axes.beam_count());  // the last band can be narrower
+  for (int bin = 0; bin < pixels.rows(); ++bin) {
+    for (int beam = 0; beam < pixels.cols(); ++beam)
+      pixels(bin, beam) = residual(bin / cells_of.band_bins, beam);
+  }
   return {
-      .png = data_io::EncodePng(
-          data_io::StretchPolar(data_io::Colorize(residual, {-limit, limit}, data_io::ColorMap::kViridis))),
-      .caption = fmt::format(
-          "{} minus predicted mean grey level of each cell, from {:.2f} (dark) to {:.2f} (bright); beams "
-          "from left to right, range from {:.2f} m at the top to {:.2f} m at the bottom{}",
-          RealCaption(is_synthetic), -limit, limit, cells_of.RangeM(0), cells_of.RangeM(cells_of.bands() - 1),
-          cells < static_cast<int>(residual.size()) ? "; cells left out are darkest" : ""),
+      .png = data_io::EncodePng(data_io::Diverging(pixels, limit)),
+      .caption = fmt::format("{} minus predicted mean grey level of each cell{}", RealCaption(is_synthetic),
+                             cells < static_cast<int>(residual.size()) ? "; cells left out are white" : ""),
       .alt = "map of residuals by range band and beam",
-      .crisp = true};
+      .plot = SonarPlot{.axes = axes,
+                        .view = SonarView::kPolar,
+                        .colours = SonarColours::kDifference,
+                        .bar = {FormatNumber(-limit, 2), "grey levels", FormatNumber(limit, 2)}}};
 }
 
 std::string Pings(std::size_t count) {

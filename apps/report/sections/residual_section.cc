@@ -63,7 +63,9 @@ Table ResidualTableOf(const metrics::ResidualTable& table) {
   return shown;
 }
 
-void AddMap(HtmlReport& report, const metrics::ResidualMap& map, const std::string& real) {
+void AddMap(HtmlReport& report, const metrics::ResidualCollector& residuals, const std::string& real) {
+  const metrics::ResidualMap& map = residuals.map();
+  const PolarAxes& axes = residuals.axes();
   Grid<float> bias(map.cells.rows(), map.cells.cols());
   std::vector<double> sizes;
   for (std::size_t i = 0; i < bias.size(); ++i) {
@@ -74,15 +76,25 @@ void AddMap(HtmlReport& report, const metrics::ResidualMap& map, const std::stri
   if (sizes.empty()) return;
   // Full colour at the 98th percentile, so that one extreme cell does not pale all others.
   const double limit = std::max(LowerQuantile(std::move(sizes), 0.98), 1e-3);
+  Grid<float> pixels(axes.range_bins, axes.beam_count());  // the cells at the far edges are smaller
+  for (int bin = 0; bin < pixels.rows(); ++bin) {
+    for (int beam = 0; beam < pixels.cols(); ++beam)
+      pixels(bin, beam) = bias(bin / map.bins, beam / map.beams);
+  }
   report.Add(PictureRow{
       .caption = fmt::format(
-          "Mean difference over all frames, in cells of {} bins x {} beams: near range at the top. "
-          "Full colour at {:.3f} of full scale.",
-          map.bins, map.beams, limit),
-      .pictures = {{data_io::EncodePng(data_io::StretchPolar(data_io::Diverging(bias, limit), 400)),
-                    "Simulated \u2212 " + real, "Map of the mean difference over range and beam", true}},
-      .columns = 1,
-      .legend = {{"#0072b2", real + " brighter"}, {"#e2e2e2", "alike"}, {"#e69f00", "simulated brighter"}}});
+          "Mean difference over all frames, in cells of {} bins x {} beams: near range at the top. Blue is "
+          "brighter in the {} image, orange in the simulated one.",
+          map.bins, map.beams, real),
+      .pictures = {{.png = data_io::EncodePng(data_io::Diverging(pixels, limit)),
+                    .caption = "Simulated \u2212 " + real,
+                    .alt = "Map of the mean difference over range and beam",
+                    .plot = SonarPlot{.axes = axes,
+                                      .view = SonarView::kPolar,
+                                      .colours = SonarColours::kDifference,
+                                      .bar = {FormatNumber(-limit, 3), "of full scale",
+                                              FormatNumber(limit, 3)}}}},
+      .columns = 1});
 }
 
 }  // namespace
@@ -116,7 +128,7 @@ void AddResiduals(HtmlReport& report, const metrics::MetricsReport& metrics) {
               ResidualChart(metrics.residuals.ByBeam(), "Over azimuth", "azimuth", real)},
              "Difference between the simulated and the " + real +
                  " image, above 0 where the simulated one is brighter; all frames.");
-  AddMap(report, metrics.residuals.map(), real);
+  AddMap(report, metrics.residuals, real);
   for (const metrics::ResidualTable& table : metrics.residuals_by_scene) {
     const bool numeric =
         std::ranges::any_of(table.classes, [](const auto& of) { return of.from.has_value(); });

@@ -83,6 +83,9 @@ TEST(ReproduceCommand, FitsBothModelsToACoherentRecordingAndSaysItIsSynthetic) {
 
   const std::string html = testing::ReadFile(dir / "report/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
+  EXPECT_LT(html.size(), 6'000'000U);
+  EXPECT_EQ(testing::PictureFault(html), "");
+  EXPECT_LT(html.find("<figure class=\"pictures\">"), html.find("<h2")) << "it opens with the picture";
   EXPECT_THAT(html, HasSubstr("The recorded side is synthetic"));
   EXPECT_THAT(html, HasSubstr("The box comes from the model"));
   for (const char* image :

@@ -20,6 +20,7 @@ PHONE_PX = (375, 800)
 
 try:
     from selenium import webdriver
+    from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.chrome.service import Service
@@ -128,6 +129,60 @@ class Reader:
             self.page.execute_script("document.querySelector('.viewer').scrollIntoView()")
             self.shoot(f"viewer_{show}")
 
+    # Red, green, blue and opacity of each pixel of an element as shown, without its colour bar.
+    def drawn_pixels(self, element):
+        return self.page.execute_async_script(
+            "const done = arguments[1]; const image = new Image();"
+            "image.onload = () => { const c = document.createElement('canvas'); c.width = image.width;"
+            " c.height = 0.8 * image.height; const d = c.getContext('2d'); d.drawImage(image, 0, 0);"
+            " done([...d.getImageData(0, 0, c.width, c.height).data]); };"
+            "image.src = 'data:image/png;base64,' + arguments[0];", element.screenshot_as_base64)
+
+    # Pictures that the page draws by filters: colours of the data, axes, transparent outside a fan.
+    def look_at_pictures(self):
+        page = self.page
+        page.execute_script("document.documentElement.scrollTop = 0")
+        opening = page.find_element(By.CSS_SELECTOR, "main > figure")
+        labels = [svg.get_attribute("aria-label") for svg in opening.find_elements(By.CSS_SELECTOR, "svg.sonar")]
+        self.check(len(labels) == 3 and labels[0].startswith("Synthetic") and labels[1].startswith("Simulated") and
+                   labels[2].startswith("Both"), f"the page opens with {labels}")
+        text = page.find_element(By.CSS_SELECTOR, "main > figure + p").text
+        self.check(text.count(". ") == 1 and text.endswith("."), f"not two sentences below the first picture: {text}")
+        for svg in page.find_elements(By.CSS_SELECTOR, "figure.pictures svg.sonar"):
+            ranges = svg.find_elements(By.CSS_SELECTOR, ".range")
+            azimuths = svg.find_elements(By.CSS_SELECTOR, ".azimuth")
+            self.check(len(ranges) > 1 and len(azimuths) > 1,
+                       f'{svg.get_attribute("aria-label")}: {len(ranges)} ranges, {len(azimuths)} azimuths')
+        real, _, overlay = (self.drawn_pixels(svg) for svg in opening.find_elements(By.CSS_SELECTOR, "svg.sonar"))
+        self.check(real[:3] == [255, 255, 255], f"beside a fan the page is {real[:3]}, expected white")
+        spread = max(max(real[i:i + 3]) - min(real[i:i + 3]) for i in range(0, len(real), 4))
+        self.check(spread > 60, "a fan is drawn without colours")
+        # Where the synthetic image is brighter, its blue is mixed with the orange of the simulated one.
+        pixels = [overlay[i:i + 3] for i in range(0, len(overlay), 4)]
+        mixed = sum(blue > 180 and 40 < red < blue - 40 for red, _, blue in pixels)
+        self.check(mixed > 20, f"{mixed} pixels of the overlay mix blue and orange")
+
+    # Values under the pointer of a chart, and its zoom.
+    def read_chart(self):
+        page = self.page
+        chart = page.find_element(By.CSS_SELECTOR, "[data-chart]")
+        data = json.loads(chart.get_attribute("data-chart"))
+        svg = chart.find_element(By.CSS_SELECTOR, ".plot")
+        page.execute_script("arguments[0].scrollIntoView({block: 'center'})", svg)
+        ticks = [t.text for t in chart.find_elements(By.CSS_SELECTOR, ".ticks text")]
+        act = ActionChains(page)
+        width = svg.size["width"]
+        act.move_to_element_with_offset(svg, -0.2 * width, 0).perform()
+        text = chart.find_element(By.TAG_NAME, "output").text
+        self.check(text.startswith(data["x"]["text"]) and data["series"][0]["name"] in text,
+                   f"the pointer on a chart reads '{text}'")
+        act.click_and_hold().move_by_offset(0.3 * width, 0).release().perform()
+        zoomed = [t.text for t in chart.find_elements(By.CSS_SELECTOR, ".ticks text")]
+        self.check(zoomed != ticks, "a drag over a chart does not zoom")
+        act.double_click(svg).perform()
+        again = [t.text for t in chart.find_elements(By.CSS_SELECTOR, ".ticks text")]
+        self.check(again == ticks, f"the ticks of a chart are {ticks}, after zooming in and out {again}")
+
     # Every control is reached by the Tab key alone and answers to the keyboard.
     def use_keyboard(self):
         self.page.execute_script("document.activeElement.blur(); window.getSelection().removeAllRanges();"
@@ -189,6 +244,10 @@ class Reader:
         self.open()
         width = page.execute_script("return document.documentElement.scrollWidth")
         self.check(width <= PHONE_PX[0], f"a phone of {PHONE_PX[0]} px has to scroll sideways over {width} px")
+        listed = page.find_element(By.CSS_SELECTOR, "nav ol")
+        self.check(not listed.is_displayed(), "a phone shows the contents open")
+        page.find_element(By.CSS_SELECTOR, "nav label").click()
+        self.check(listed.is_displayed(), "a phone does not open the contents")
         self.shoot("phone")
         page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
@@ -224,6 +283,8 @@ def main():
     try:
         reader = Reader(page, report, expected, screenshots)
         reader.open()
+        reader.look_at_pictures()
+        reader.read_chart()
         reader.read_values()
         reader.use_keyboard()
         reader.look_elsewhere()

@@ -98,8 +98,11 @@ TEST(HtmlReportTest, ThePageAsksNothingOfTheNetwork) {
 }
 
 // The hash that a browser computes, by which it runs this script and no other.
-TEST(HtmlReportTest, TheViewersScriptIsAllowedByItsHash) {
-  EXPECT_THAT(HtmlReport("Title").Html(), Not(HasSubstr("script-src")));
+TEST(HtmlReportTest, TheScriptIsAllowedByItsHash) {
+  HtmlReport plain("Title");
+  EXPECT_THAT(plain.Html(), Not(HasSubstr("script-src")));
+  plain.Add({{.title = "t", .series = {{"s", {0.0, 1.0}, {1.0, 2.0}}}}}, "chart");
+  EXPECT_THAT(plain.Html(), HasSubstr("script-src"));
   const std::string html = EveryBlock("plain").Html();
   const std::size_t begin = html.find("<script>") + 8;
   const std::string script = html.substr(begin, html.find("</script>") - begin);
@@ -177,6 +180,18 @@ TEST(HtmlReportTest, ARowThatDoesNotFitItsTableIsRefused) {
   EXPECT_THROW(report.Add(Table{.caption = "t", .columns = {{"a"}, {"b"}}, .rows = {{{"1"}}}}),
                std::logic_error);
   EXPECT_THROW(report.Add(PictureRow{.caption = "p", .pictures = {{{1, 2, 3}, "c"}}}), std::logic_error);
+}
+
+TEST(HtmlReportTest, AChartCarriesItsValuesForThePointer) {
+  const std::string html = LineChartHtml(
+      {.title = "t",
+       .x = {.label = "range", .unit = "m"},
+       .series = {{"s", {0.0, 1.0}, {1.0, std::nan("")}, SeriesStyle::kLine, {0.5, 1.0}, {1.5, 1.0}}}});
+  const std::size_t start = html.find("data-chart=\"") + 12;
+  const std::string data = html.substr(start, html.find('"', start) - start);
+  EXPECT_THAT(data, HasSubstr("&quot;text&quot;:&quot;range (m)&quot;"));
+  EXPECT_THAT(data, HasSubstr("&quot;y&quot;:[1.0,null]"));
+  EXPECT_THAT(data, HasSubstr("&quot;band&quot;:[[0.5,1.5],null]"));
 }
 
 TEST(HtmlReportTest, WritesItsFileOrSaysWhyNot) {

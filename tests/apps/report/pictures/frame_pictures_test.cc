@@ -22,18 +22,29 @@ std::vector<std::uint8_t> Png(int shade = 0) {
   return data_io::EncodePng(image);
 }
 
-FramePictures PicturesOfAFrame(bool any_object) {
-  const auto view = [&](int shade) {
-    return ViewPictures{Png(shade), Png(shade + 1), Png(shade + 2), any_object ? Png(shade + 3) : Png(90)};
-  };
-  return {.index = 3, .name = "f", .polar = view(0), .fan = view(10)};
+PolarImage Image(float value) {
+  PolarImage image{
+      .axes = {1.0, 2.0, 7, {-0.1, -0.05, 0.0, 0.05, 0.1}}, .scale = {}, .value = Grid<float>(7, 5)};
+  image.value(3, 2) = value;
+  return image;
+}
+
+workflow::ComparedFrame Compared(bool any_object) {
+  workflow::ComparedFrame frame{Image(100.0F), Image(150.0F), {}};
+  frame.metrics.index = 3;
+  frame.metrics.masks.emplace();
+  frame.metrics.masks->polar_real = Mask(7, 5);
+  frame.metrics.masks->polar_simulated = Mask(7, 5);
+  if (any_object) frame.metrics.masks->polar_real(3, 2) = 1;
+  return frame;
 }
 
 TEST(FramePicturesInAReport, OfASyntheticRecordingAreNotCalledRecorded) {
   for (const bool synthetic : {false, true}) {
     HtmlReport report("Title");
+    AddOpening(report, Compared(true), "after the fit", synthetic, {"One.", "Two."});
     AddPictureLegend(report, RealWord(synthetic));
-    AddFramePictures(report, PicturesOfAFrame(true), "Frame 3", synthetic);
+    AddFramePictures(report, Compared(true), "Frame 3", synthetic);
     const PolarAxes axes{1.0, 2.0, 7, {-0.1, -0.05, 0.0, 0.05, 0.1}};
     report.Add(FrameViewer{.caption = "All.",
                            .frames = {{.name = "f",
@@ -48,13 +59,31 @@ TEST(FramePicturesInAReport, OfASyntheticRecordingAreNotCalledRecorded) {
     const std::string body = html.substr(start, html.find("<script>") - start);
     EXPECT_EQ(body.find("ecorded") == std::string::npos, synthetic) << body;
     EXPECT_EQ(body.find("ynthetic") != std::string::npos, synthetic) << body;
-    EXPECT_EQ(testing::PicturesOf(html).size(), 8U);
+    EXPECT_EQ(testing::PicturesOf(html).size(), 8U);  // the fan of the opening is not repeated
+    EXPECT_EQ(testing::PictureFault(html), "");
+    EXPECT_LT(html.find("<figure class=\"pictures\">"), html.find("<p>One. Two.</p>"));
   }
+}
+
+// Every picture of a frame is drawn from six sets of data: two images and their regions, polar and as a fan.
+TEST(FramePicturesInAReport, HoldTheirDataOnce) {
+  HtmlReport report("Title");
+  AddFramePictures(report, Compared(true), "Frame 3", false);
+  AddFramePictures(report, Compared(true), "Again", true);
+  const std::string html = report.Html();
+  std::size_t count = 0;
+  for (std::size_t at = html.find("base64,"); at != std::string::npos; at = html.find("base64,", at + 1)) {
+    ++count;
+    const std::string data = html.substr(at, html.find('"', at) - at);
+    EXPECT_EQ(html.find(data, at + 1), std::string::npos) << data;
+  }
+  EXPECT_EQ(count, 6U);
+  EXPECT_EQ(testing::HtmlFault(html), "");
 }
 
 TEST(FramePicturesInAReport, WithoutAnObjectSayItInsteadOfBlackRegions) {
   HtmlReport report("Title");
-  AddFramePictures(report, PicturesOfAFrame(false), "Frame 3", false);
+  AddFramePictures(report, Compared(false), "Frame 3", false);
   EXPECT_EQ(testing::PicturesOf(report.Html()).size(), 6U);
   EXPECT_THAT(report.Html(), HasSubstr("No object is found in either image."));
 }
