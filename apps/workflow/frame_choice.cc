@@ -127,7 +127,7 @@ ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_
     const double reach_m = 0.5 * (known.sonar.axes.range_min_m + known.sonar.axes.range_max_m);
     chosen.held_out = EvenlySpread(calib::FramesAwayFrom(chosen.used, poses, reach_m), max.held_out);
   }
-  chosen.choice = fmt::format("{} of {} frames are fitted, {} are held out", chosen.used.size(), poses.size(),
+  chosen.choice = fmt::format("{} of {} frames are fitted, {} held out", chosen.used.size(), poses.size(),
                               chosen.held_out.size());
   return chosen;
 }

@@ -21,9 +21,8 @@ std::string AgreementSentence(const workflow::Calibration& calibration) {
   const workflow::RecordingFit& of = calibration.evaluation;
   if (!of.sample_after || !of.sample_pair) return "The agreement could not be measured.";
   return fmt::format(
-      "A simulated frame differs from the recorded one by {} of full scale, mean over {}; two simulated "
-      "frames "
-      "of one pose differ by {}, which is the lowest error possible apart from chance.",
+      "A simulated frame differs from the frame of the recording by {} of full scale, mean over {}; two "
+      "simulated frames of one pose differ by {}, which is the lowest error possible apart from chance.",
       ErrorPercent(*of.sample_after), of.judged_on_held_out ? "the held-out frames" : "the frames used",
       ErrorPercent(*of.sample_pair));
 }

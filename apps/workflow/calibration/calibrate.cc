@@ -234,7 +234,7 @@ class Calibrator {
       return {"the only frame is fitted",
               "nothing else is there, so that no choice can be tried on another frame"};
     }
-    CalibrationDecision decision{fmt::format("{} of {} frames are fitted, {} are held out", used.size(),
+    CalibrationDecision decision{fmt::format("{} of {} frames are fitted, {} held out", used.size(),
                                              recording_.frame_count(), held_out.size()),
                                  "the held-out ones decide the choices below"};
     SayIfRepeated(decision);

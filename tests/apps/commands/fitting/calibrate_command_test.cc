@@ -233,7 +233,7 @@ TEST_F(CalibrateCommand, ALongRecordingIsFittedByChosenFramesAndItsPlanKeepsThem
   const auto frames = std::ranges::find(plan.decided, workflow::CalibrationStage::kFrames,
                                         &workflow::CalibrationDecision::stage);
   ASSERT_NE(frames, plan.decided.end());
-  EXPECT_EQ(frames->choice, "4 of 9 frames are fitted, 2 are held out");
+  EXPECT_EQ(frames->choice, "4 of 9 frames are fitted, 2 held out");
   EXPECT_THAT(frames->reason, HasSubstr("would lower the standard errors by"));
   const Outcome again = RunSonarcal(Arguments("rechosen", "--plan " + Quoted(*world_ / "chosen/plan.json")));
   ASSERT_EQ(again.status, 0) << again.err;
