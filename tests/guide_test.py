@@ -6,8 +6,8 @@
 The numbered pages come first, then those of ALSO_RUN. Each fenced block of "sh" is a script of its own (set -e). A block that calls
 scripts/ is for a clone with a network and is not run; one that reads $SONARCAL_RECORDINGS is run if that folder is there. A plain
 block after it shows lines of its output, in their order; "..." stands for lines that are left out. Numbers may differ a little,
-because processors round differently. Blocks of other languages are neither run nor compared. A picture below a comment "made: FILE" looks like this file of the commands;
---update-pictures copies it into the sources. A numbered page without commands is a mistake.
+because processors round differently. Blocks of other languages are neither run nor compared. A picture below a comment "made: FILE"
+looks like this file of the commands; --update-pictures copies it into the sources. A numbered page without commands is a mistake.
 """
 
 import json
@@ -21,7 +21,7 @@ import tempfile
 
 ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md"]
 
-# Pages whose output is described in words or belongs to other files.
+# Pages whose outputs are not compared.
 OUTPUT_NOT_COMPARED = ["6_report.md"]
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -32,7 +32,7 @@ NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 RELATIVE_TOLERANCE = 0.03
 LAST_DIGITS = 2
 
-# Mean difference of grey values, and median difference of the numbers of a chart.
+# Mean difference of grey values, and median difference of the coordinates of a chart.
 PICTURE_TOLERANCE = 3
 CHART_TOLERANCE = 1
 
@@ -63,14 +63,26 @@ def first_missing(block, output):
     return None
 
 
+def words_and_points(chart):
+    """Words of a chart, and the coordinates of its marks: of a path, those of 21 points from end to end."""
+    points = []
+    for path in re.findall(r"<path[^>]* d=['\"]([^'\"]*)", chart):
+        numbers = [float(number) for number in NUMBER.findall(path)]
+        last = len(numbers) // 2 - 1
+        for part in range(21):
+            at = 2 * round(last * part / 20)
+            points += numbers[at:at + 2]
+    points += [float(number) for number in re.findall(r" c[xy]=['\"]([-.\d]+)", chart)]
+    return re.findall(r">([^<>]+)</text>", chart), points
+
+
 def picture_difference(shown, made):
-    """How much two files differ: grey values of pictures, numbers of charts."""
+    """How much two files differ: grey values of pictures, coordinates of charts."""
     if shown.suffix == ".svg":
-        one, other = (path.read_text(encoding="utf-8") for path in (shown, made))
-        if NUMBER.sub("#", one) != NUMBER.sub("#", other):
+        (words, points), (other_words, other_points) = (words_and_points(path.read_text(encoding="utf-8")) for path in (shown, made))
+        if words != other_words or len(points) != len(other_points):
             return float("inf")
-        pairs = zip(NUMBER.findall(one), NUMBER.findall(other))
-        differences = sorted(abs(float(a) - float(b)) for a, b in pairs)
+        differences = sorted(abs(a - b) for a, b in zip(points, other_points))
         return differences[len(differences) // 2] / CHART_TOLERANCE
     import matplotlib.image  # pylint: disable=import-outside-toplevel
 
