@@ -86,6 +86,12 @@ std::vector<TimedPose> PosesOfRecording(const RecordingSource& recording) {
 std::vector<TimedPose> ReadPosesOrRecording(const std::filesystem::path& path) {
   if (IsRecordingFolder(path)) return PosesOfRecording(*OpenRecordingFolder(path));
   if (path.extension() == ".json") return ReadPoses(path);
+  if (path.extension() == ".csv" || path.extension() == ".txt") {
+    throw DataError(
+        "{}: a table, expected a recording with poses or a JSON file; for a trajectory, `sonarcal convert "
+        "--trajectory` gives each frame a pose by its time",
+        path.string());
+  }
   return PosesOfRecording(*OpenRecording(path));
 }
 

@@ -102,6 +102,10 @@ TEST(PoseIoTest, ARecordingWithoutAPoseIsRefused) {
               HasSubstr("rec: frame 1 (b.png) has no 'world_from_sonar'"));
 }
 
+TEST(PoseIoTest, ATrajectoryIsReferredToConvert) {
+  EXPECT_THAT(MessageOf([] { ReadPosesOrRecording("/gone/track.csv"); }), HasSubstr("convert --trajectory"));
+}
+
 TEST(PoseIoTest, TakesThePosesOfARecording) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank");
   const std::vector<TimedPose> poses = ReadPosesOrRecording(folder);

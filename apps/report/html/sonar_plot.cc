@@ -117,7 +117,8 @@ std::string Axes(const PolarAxes& axes, SonarView view, const Size& size) {
   for (const double range : TicksWithin(axes.range_min_m, axes.range_max_m, range_step)) {
     lines += layout.Move('M', range, layout.first_rad()) + layout.Arc(range);
     const auto [x, y] = layout.At(range, layout.first_rad());
-    Append(texts, R"svg(<text class="range" x="{:.1f}" y="{:.1f}" text-anchor="end" )svg"
+    Append(texts,
+           R"svg(<text class="range" x="{:.1f}" y="{:.1f}" text-anchor="end" )svg"
            R"svg(dy="0.35em">{} m</text>)svg",
            x - 5.0, y, FormatNumber(range, DecimalsOf(range_step)));
   }
@@ -126,18 +127,20 @@ std::string Axes(const PolarAxes& axes, SonarView view, const Size& size) {
   const double azimuth_step = NiceStep(last_deg - first_deg, 6);
   for (const double azimuth : TicksWithin(first_deg, last_deg, azimuth_step)) {
     const double azimuth_rad = RadFromDeg(azimuth);
-    lines += layout.Move('M', axes.range_min_m, azimuth_rad) + layout.Move('L', axes.range_max_m, azimuth_rad);
+    lines +=
+        layout.Move('M', axes.range_min_m, azimuth_rad) + layout.Move('L', axes.range_max_m, azimuth_rad);
     const bool is_fan = view == SonarView::kFan;
     const auto [x, y] = layout.At(is_fan ? axes.range_max_m : axes.range_min_m, azimuth_rad);
     constexpr double kApart = 9.0;
-    Append(texts, R"svg(<text class="azimuth" x="{:.1f}" y="{:.1f}" text-anchor="middle" )svg"
+    Append(texts,
+           R"svg(<text class="azimuth" x="{:.1f}" y="{:.1f}" text-anchor="middle" )svg"
            R"svg(dy="0.35em">{}°</text>)svg",
            is_fan ? x + kApart * std::sin(azimuth_rad) : x,
            is_fan ? y - kApart * std::cos(azimuth_rad) : y - kApart,
            FormatNumber(azimuth, DecimalsOf(azimuth_step)));
   }
-  return fmt::format(R"svg(<path class="ring" d="{}"/><path class="edge" d="{}"/>{})svg", lines, layout.Outline(),
-                     texts);
+  return fmt::format(R"svg(<path class="ring" d="{}"/><path class="edge" d="{}"/>{})svg", lines,
+                     layout.Outline(), texts);
 }
 
 std::string_view GradientOf(SonarColours colours) {
@@ -152,14 +155,13 @@ std::string_view GradientOf(SonarColours colours) {
 }
 
 std::string Bar(std::string_view gradient, const std::array<std::string, 3>& texts, double width) {
-  std::string svg =
-      fmt::format(R"svg(<rect class="bar" width="{}" height="{}" fill="url(#bar-{})"/>)svg", width, kBarHeight,
-                  gradient);
+  std::string svg = fmt::format(R"svg(<rect class="bar" width="{}" height="{}" fill="url(#bar-{})"/>)svg",
+                                width, kBarHeight, gradient);
   constexpr std::array<std::string_view, 3> kAnchors = {"start", "middle", "end"};
   for (std::size_t i = 0; i < texts.size(); ++i) {
     if (texts[i].empty()) continue;
-    Append(svg, R"svg(<text x="{:.1f}" y="{}" text-anchor="{}">{}</text>)svg", 0.5 * width * static_cast<double>(i),
-           kBarHeight + 11.0, kAnchors[i], EscapeHtml(texts[i]));
+    Append(svg, R"svg(<text x="{:.1f}" y="{}" text-anchor="{}">{}</text>)svg",
+           0.5 * width * static_cast<double>(i), kBarHeight + 11.0, kAnchors[i], EscapeHtml(texts[i]));
   }
   return svg;
 }
@@ -229,7 +231,8 @@ std::string SonarPlotSvg(const SonarPlot& plot, const std::vector<StoredPicture>
       R"svg(<g clip-path="url(#clip-{})"><g{}>{}</g></g>{}</g>)svg",
       kLeft + kPlotWidth + kRight, kTop + size.height + kBottom, EscapeHtml(alt), number,
       Layout(plot.axes, plot.view, size).Outline(), kLeft + 0.5 * (kPlotWidth - size.width), kTop, number,
-      plot.view == SonarView::kPolar || plot.colours == SonarColours::kRegions ? R"svg( class="crisp")svg" : "",
+      plot.view == SonarView::kPolar || plot.colours == SonarColours::kRegions ? R"svg( class="crisp")svg"
+                                                                               : "",
       Images(plot.colours, pictures, size), Axes(plot.axes, plot.view, size));
   if (std::ranges::any_of(plot.bar, [](const std::string& text) { return !text.empty(); })) {
     Append(svg, R"svg(<g transform="translate({} {:.1f})">{}</g>)svg", kLeft, kTop + size.height + 13.0,
@@ -249,7 +252,7 @@ std::string ColourBarSvg(std::string_view gradient, const std::array<std::string
                          std::string_view attributes) {
   constexpr double kWidth = 320.0;
   return fmt::format(R"svg(<svg class="sonar" viewBox="0 0 {} {}" role="img" )svg"
-      R"svg(aria-label="{}, {}, {}"{}>{}</svg>)svg",
+                     R"svg(aria-label="{}, {}, {}"{}>{}</svg>)svg",
                      kWidth, kBarHeight + 16.0, EscapeHtml(texts[0]), EscapeHtml(texts[1]),
                      EscapeHtml(texts[2]), attributes, Bar(gradient, texts, kWidth));
 }
@@ -265,8 +268,8 @@ std::string SonarDefinitionsSvg() {
   const std::array<data_io::Rgb, 3> overlay = {{{0, 128, 255}, {128, 128, 128}, {255, 128, 0}}};
   const std::array<data_io::Rgb, 3> difference = {
       {data_io::kRealOnlyColor, {kAlike, kAlike, kAlike}, data_io::kSimulatedOnlyColor}};
-  const std::array<data_io::Rgb, 4> regions = {{data_io::kNeitherColor, data_io::kRealOnlyColor,
-                                                data_io::kSimulatedOnlyColor, data_io::kBothColor}};
+  const std::array<data_io::Rgb, 4> regions = {
+      {data_io::kNeitherColor, data_io::kRealOnlyColor, data_io::kSimulatedOnlyColor, data_io::kBothColor}};
   // Spreads the values 0 .. 3 of a picture of regions over the full scale.
   constexpr std::string_view kSpread =
       R"svg(<feColorMatrix values="85 0 0 0 0 0 85 0 0 0 0 0 85 0 0 0 0 0 1 0"/>)svg";

@@ -19,7 +19,7 @@ enum class SonarColours {
   kInferno,     // one grey picture
   kOverlay,     // two grey pictures: the real one in blue, the simulated one in orange
   kDifference,  // colour picture by data_io::Diverging
-  kRegions,     // one picture of the values 1 (object in the real image), 2 (in the simulated one) and 3 (both)
+  kRegions,  // one picture of the values 1 (object in the real image), 2 (in the simulated one) and 3 (both)
   kCategories,  // colour picture with a legend of its own
 };
 

@@ -72,11 +72,11 @@ Picture SonarPicture(const PolarImage& image, SonarView view, std::string captio
   return {.png = PngOf(image, view),
           .caption = std::move(caption),
           .alt = std::move(alt),
-          .plot = SonarPlot{.axes = image.axes,
-                            .view = view,
-                            .colours = SonarColours::kInferno,
-                            .bar = {fmt::format("{:.4g}", window.low), window.name,
-                                    fmt::format("{:.5g}", window.high)}}};
+          .plot = SonarPlot{
+              .axes = image.axes,
+              .view = view,
+              .colours = SonarColours::kInferno,
+              .bar = {fmt::format("{:.4g}", window.low), window.name, fmt::format("{:.5g}", window.high)}}};
 }
 
 Picture OverlayPicture(const PolarImage& real_image, const PolarImage& simulated, SonarView view,

@@ -68,7 +68,8 @@ TEST(SonarPlot, LabelsRangesAndAzimuthsOfAPolarImage) {
 TEST(SonarPlot, FollowsUnevenBeams) {
   PolarAxes axes = Axes();
   axes.beam_azimuth_rad[5] = RadFromDeg(35.0);  // edges at 25 and 45 degrees
-  const std::vector<Label> labels = Labels(SonarAxesSvg(axes, SonarView::kPolar, 300.0, 400.0, ""), "azimuth");
+  const std::vector<Label> labels =
+      Labels(SonarAxesSvg(axes, SonarView::kPolar, 300.0, 400.0, ""), "azimuth");
   ASSERT_EQ(labels.size(), 4U);
   EXPECT_EQ(labels[1].text, "0\u00b0");
   EXPECT_NEAR(labels[1].x, 150.0, 0.06);
