@@ -223,6 +223,7 @@ export class Controls {
     this.session = session;
     this.rows = [];
     this.parts = [];  // of materials: shown where the material has values of its own
+    this.words = [];  // that a row must have to be shown
     const groups = new Map();
     session.controls.forEach((control, index) => {
       const start = control.path[0] === 'sonar' ? session.sonar[control.path[1]] : undefined;
@@ -264,14 +265,31 @@ export class Controls {
     return part;
   }
 
+  // Returns whether any row has all words of the text in its label, name, group or material. Folded groups
+  // open while there are words.
+  search(text, state) {
+    const folds = [...this.groups, ...this.parts.map(({part}) => part)];
+    if (!this.words.length) this.openBefore = folds.map((fold) => fold.open);
+    this.words = text.toLowerCase().split(/\s+/).filter(Boolean);
+    this.show(state);
+    folds.forEach((fold, i) => { fold.open = this.words.length > 0 || this.openBefore[i]; });
+    return this.groups.some((group) => !group.hidden);
+  }
+
+  isFound({control}) {
+    const text = [control.label, control.name, control.group, control.part || ''].join(' ').toLowerCase();
+    return this.words.every((word) => text.includes(word));
+  }
+
   show(state) {
     const {model} = state.parameters;
     for (const row of this.rows) {
-      row.element.hidden = Boolean(row.control.model) && row.control.model !== model;
+      row.element.hidden = (Boolean(row.control.model) && row.control.model !== model) || !this.isFound(row);
       row.show(state);
     }
-    for (const {material, served, rows} of this.parts) {
+    for (const {material, part, served, rows} of this.parts) {
       const there = material in state.parameters.materials;
+      part.hidden = !rows.some((row) => !row.element.hidden);
       served.hidden = there;
       for (const row of rows) row.element.hidden = row.element.hidden || !there;
     }

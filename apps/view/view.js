@@ -4,6 +4,7 @@ import {ask, greyOf, Latest} from './server.js';
 import {Controls, make, short} from './controls.js';
 import {Fit} from './fit.js';
 import {Images} from './images.js';
+import {Player} from './player.js';
 import {kMaterialColours, World} from './scene.js';
 
 const kMaxUndo = 200;
@@ -247,8 +248,8 @@ function goToFrame(frame, isDone) {
 
 // --- files
 
-function download(name, text) {
-  const address = URL.createObjectURL(new Blob([text], {type: 'application/json'}));
+function download(name, blob) {
+  const address = URL.createObjectURL(blob);
   const link = make('a', {href: address, download: name});
   link.click();
   setTimeout(() => URL.revokeObjectURL(address), 10000);
@@ -261,16 +262,65 @@ async function save(write) {
     return;
   }
   const {files, command, folder} = answer.json;
-  if (!write) for (const [name, text] of Object.entries(files)) download(name, text);
+  if (!write) {
+    for (const [name, text] of Object.entries(files)) download(name, new Blob([text], {type: 'application/json'}));
+  }
   const names = write ? files : Object.keys(files);
   byId('saved').textContent = `${write ? `Written into ${folder}` : 'Downloaded'}: ${names.join(', ')}.`;
   byId('command').textContent = command;
   byId('command').hidden = false;
 }
 
+// Name of a file that holds what is shown of the frame.
+function nameOf(part, extension) {
+  const number = String(session.frames.length > 1 ? view.state.frame : 0).padStart(4, '0');
+  return `${images.show === 'real' ? images.real : images.show}_${part}_${number}.${extension}`;
+}
+
+function savePictures() {
+  for (const {view: part, canvas} of images.views) {
+    canvas.toBlob((blob) => download(nameOf(part, 'png'), blob), 'image/png');
+  }
+}
+
+function listenToPlayer() {
+  const player = new Player(
+      () => view.shown === view.sequence && !drawing.wanted,
+      () => {
+        const {frame} = view.state;
+        if (frame + 1 < session.frames.length) goToFrame(frame + 1, false);
+        return frame + 1 < session.frames.length;
+      },
+      (playing, recording) => {
+        byId('play').textContent = playing ? 'Pause' : 'Play';
+        byId('play').setAttribute('aria-pressed', String(playing));
+        byId('video').setAttribute('aria-pressed', String(recording));
+        if (!playing) settle();
+      });
+  view.player = player;
+  byId('play').addEventListener('click', () => {
+    if (player.timer) {
+      player.stop();
+      return;
+    }
+    if (view.state.frame + 1 === session.frames.length) goToFrame(0, true);
+    player.play();
+  });
+  byId('video').hidden = !Player.records;
+  byId('video').addEventListener('click', () => {
+    if (player.recorder) player.stop();
+    else player.record(images.views[0].canvas, (blob, extension) => download(nameOf('fan', extension), blob));
+  });
+}
+
 // --- the start
 
 function listen() {
+  byId('search').addEventListener('input', (event) => {
+    byId('nothing').hidden = controls.search(event.target.value, view.state);
+  });
+  byId('picture').addEventListener('click', savePictures);
+  listenToPlayer();
   byId('undo').addEventListener('click', undo);
   byId('redo').addEventListener('click', redo);
   byId('reset').addEventListener('click', () => {
@@ -295,7 +345,7 @@ function listen() {
   byId('download').addEventListener('click', () => save(false));
   byId('write').addEventListener('click', () => save(true));
   document.addEventListener('keydown', (event) => {
-    const typing = event.target.matches('input[type="number"], input[type="text"], textarea');
+    const typing = event.target.matches('input[type="number"], input[type="search"], textarea');
     const key = event.key.toLowerCase();
     if ((event.ctrlKey || event.metaKey) && !event.altKey && (key === 'z' || key === 'y')) {
       event.preventDefault();

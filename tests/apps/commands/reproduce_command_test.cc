@@ -39,7 +39,7 @@ void ExpectTheTourPrintsTheReportsFigures(const std::filesystem::path& folder, c
   EXPECT_EQ(compared.status, 0) << compared.err;
   std::filesystem::current_path(before);
   const nlohmann::json macro = testing::ReadJsonFile(folder / "comparison/metrics.json")["macro"];
-  const nlohmann::json& row = rows["paper_fitted"];
+  const nlohmann::json& row = rows["acoustic_expected"];
   for (const char* ratio : {"iou", "ns_over_nr", "na_over_ns", "na_over_nr"})
     EXPECT_NEAR(macro[ratio].get<double>(), row[ratio].get<double>(), 0.01) << ratio;
   EXPECT_NEAR(macro["intensity_error"]["polar"].get<double>(), row["intensity_error"]["union"].get<double>(),

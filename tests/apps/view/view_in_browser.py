@@ -224,6 +224,37 @@ class Visitor:
         self.find("#before").click()
         self.settle()
 
+    def search(self):
+        def shown():
+            return {row.get_attribute("data-name") for row in self.page.find_elements(By.CSS_SELECTOR, ".row[data-name]")
+                    if row.is_displayed()}
+        before = shown()
+        box = self.find("#search")
+        box.send_keys("cosine floor")
+        self.check(shown() == {"material.floor.gsab.D"}, f"'cosine floor' finds {sorted(shown())}")
+        box.send_keys("zzz")
+        self.check(not shown() and self.find("#nothing").is_displayed(), "a search in vain does not say so")
+        box.send_keys(Keys.CONTROL, "a")
+        box.send_keys(Keys.DELETE)
+        self.check(shown() == before, "after a search the page is not as before")
+
+    def play(self):
+        self.script("view.saved = []; const make = URL.createObjectURL.bind(URL);"
+                    "URL.createObjectURL = (blob) => { view.saved.push([blob.type, blob.size]); return make(blob); };")
+        saved = "return view.saved"
+        self.find("#picture").click()
+        WebDriverWait(self.page, 10).until(lambda page: len(self.script(saved)) == 2)
+        self.check(all(kind == "image/png" and size > 100 for kind, size in self.script(saved)),
+                   f"pictures are saved as {self.script(saved)}")
+        self.find("#video").click()
+        WebDriverWait(self.page, 60, 0.1).until(lambda page: len(self.script(saved)) == 3)
+        kind, size = self.script(saved)[2]
+        self.check(kind.startswith("video/") and size > 1000, f"the video is {size} bytes of {kind}")
+        self.check(self.state("frame") == 3, f"playing ends at frame {self.state('frame')}")
+        self.find("#undo").click()
+        self.settle()
+        self.check(self.state("frame") == 0, "one undo does not go back to where playing began")
+
     def compare(self):
         drawn = self.write()
         self.run(["compare", "--real", "real", "--sim", "kept/sim", "--as-displayed", "--out", "compared", "-q"])
@@ -373,6 +404,8 @@ def main():
         visitor.type_a_number()
         visitor.move_the_sonar()
         visitor.go_through_frames()
+        visitor.search()
+        visitor.play()
         visitor.compare()
         visitor.change_the_model()
         visitor.fit()
