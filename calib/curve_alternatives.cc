@@ -25,7 +25,7 @@ constexpr std::size_t kCoarsePixels = 40'000;
 constexpr int kExchangeIterations = 40;
 constexpr int kProfileIterations = 12;
 constexpr double kCostTolerance = 0.02;  // nats
-constexpr double kBetterNats = 0.05;
+constexpr double kBetterNats = 0.25;
 constexpr std::size_t kMaxBetter = 2;
 
 // An optimum is nearly as good if the odds against it are less than a hundred to one, in nats.

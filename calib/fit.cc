@@ -27,9 +27,10 @@ constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to distinguish valleys
 constexpr double kLikelihoodTolerance = 1e-2;
 
-// Max number of moves to a better curve, and the min gain of a move per pixel of a speckle cell.
+// Max number of moves to a better curve, and the min gain of a move per pixel of a speckle cell. Rays at
+// edges change the cost of a frame by more than a smaller gain.
 constexpr int kMovesToBetter = 2;
-constexpr double kBetterNats = 0.05;
+constexpr double kBetterNats = 0.25;
 
 // State of a fit while it runs: the free parameters, and the reason why others are not free.
 class Fitter {
