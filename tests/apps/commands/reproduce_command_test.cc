@@ -33,7 +33,7 @@ void ExpectTheTourPrintsTheReportsFigures(const std::filesystem::path& folder, c
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(folder);
   ASSERT_EQ(setenv("R", "report/synthetic_recording", 1), 0);
-  const testing::Outcome simulated = testing::RunSonarcal(TourCommand("simulate") + " --rays 256x200 -q");
+  const testing::Outcome simulated = testing::RunSonarcal(TourCommand("simulate") + " --rays 256x600 -q");
   EXPECT_EQ(simulated.status, 0) << simulated.err;
   const testing::Outcome compared = testing::RunSonarcal(TourCommand("compare") + " -q");
   EXPECT_EQ(compared.status, 0) << compared.err;
