@@ -1,8 +1,12 @@
-// The two pictures, fan and polar, of the simulated and the recorded image: one of them, both in turn, on top
-// of each other, their difference or their object regions. Which sample a pixel shows, and where regions end, is
+// The two pictures, fan and polar, of the simulated and the recorded image: one of them, both side by side or in
+// turn, on top of each other, their difference or their object regions. Which sample a pixel shows, and where regions end, is
 // known to frame_viewer.js, which draws the frames of reports by the same rules.
 /* global polarLookup, fanLookup, edgesAt, drawRing, kBlinkMs, kDifferenceShown, keysOf */
 
+import {drawAxes, drawBar} from './axes.js';
+import {Zoom} from './zoom.js';
+
+const kCaptions = {fan: 'Fan: ahead is up', polar: 'Polar: near is up'};
 const kNotCompared = 'Regions appear once the image was compared with a recording.';
 
 // A colour as a picture holds it, its bytes from the lowest on.
@@ -23,7 +27,9 @@ export class Images {
     this.root = root;
     this.views = ['fan', 'polar'].map((view) => {
       const canvas = this.part(`${view}-canvas`);
-      return {view, canvas, context: canvas.getContext('2d', {willReadFrequently: true}), key: '', lookup: null};
+      const zoom = new Zoom(canvas.parentElement.parentElement, canvas.parentElement);
+      const context = canvas.getContext('2d', {willReadFrequently: true});
+      return {view, canvas, context, zoom, axes: this.part(`${view}-axes`), key: '', lookup: null};
     });
     this.colours = {...session.colours, grey: Array.from({length: 256}, (_, i) => [i, i, i])};
     for (const view of this.views) this.listen(view);
@@ -48,12 +54,15 @@ export class Images {
     this.draw();
   }
 
-  lookupOf(view, image) {
+  // `kind`: fan or polar.
+  lookupOf(view, kind, image) {
     const {axes, bins} = image;
-    const key = `${bins} ${axes.range_m} ${axes.azimuth_deg}`;
+    const key = `${kind} ${bins} ${axes.range_m} ${axes.azimuth_deg}`;
     if (view.key !== key) {
-      view.lookup = (view.view === 'fan' ? fanLookup : polarLookup)(axes, bins);
+      view.lookup = (kind === 'fan' ? fanLookup : polarLookup)(axes, bins);
       view.key = key;
+      view.zoom.reset();
+      drawAxes(view.axes, axes, view.lookup);
       this.cursor = -1;
     }
     return view.lookup;
@@ -104,11 +113,18 @@ export class Images {
     const {show} = this;
     const alone = show !== 'simulated' && show !== 'real' && !this.comparable;
     const shown = show === 'real' && this.recorded ? this.recorded : this.simulated;
-    const colours = this.coloursOf(alone ? 'simulated' : show);
+    const beside = show === 'both' && !alone;  // two fans
+    const colours = this.coloursOf(alone || beside ? 'simulated' : show);
+    const besideColours = beside ? this.coloursOf('real') : null;
     const [, realEdge, simulatedEdge] = this.session.regions.map((c) => pack(...c));
     const outlined = this.part('outline').checked && this.regions && this.comparable ? this.regions.values : null;
     for (const view of this.views) {
-      const lookup = this.lookupOf(view, shown);
+      const second = beside && view.view === 'polar';
+      const lookup = this.lookupOf(view, second ? 'fan' : view.view, shown);
+      view.axes.toggleAttribute('hidden', !this.part('axes').checked);
+      let caption = kCaptions[view.view];
+      if (beside) caption = second ? `Fan, ${this.real}` : 'Fan, simulated';
+      this.part(`${view.view}-caption`).textContent = caption;
       const {width, height, index} = lookup;
       const {canvas, context} = view;
       if (canvas.width !== width || canvas.height !== height) {
@@ -120,7 +136,7 @@ export class Images {
       for (let i = 0; i < index.length; ++i) {
         const sample = index[i];
         if (sample < 0) continue;  // stays transparent
-        pixels[i] = colours[sample];
+        pixels[i] = (second ? besideColours : colours)[sample];
         if (!outlined) continue;
         const edges = edgesAt(lookup, i, outlined);
         if (edges) pixels[i] = edges & 1 ? realEdge : simulatedEdge;
@@ -128,12 +144,24 @@ export class Images {
       context.putImageData(picture, 0, 0);
       drawRing(context, lookup, this.cursor);
     }
-    let key = this.keys[show];
+    this.drawBar(alone ? 'simulated' : show, shown);
+    let key = this.keys[show] || '';
     if (alone) key = `The simulated image alone: it has other bins or beams than the ${this.real} one.`;
     else if (show === 'regions' && !this.regions) key = kNotCompared;
     this.part('key').textContent = key;
     this.part('which').textContent = show !== 'blink' || alone ? '' : `The ${this.second ? 'simulated' : this.real} one.`;
     this.read();
+  }
+
+  drawBar(show, image) {
+    const {alike, regions} = this.session;
+    const bar = this.part('bar');
+    const ends = [`${this.real} brighter`, 'simulated brighter'];
+    const middle = [alike, alike, alike];
+    bar.hidden = show === 'regions';
+    if (show === 'overlay') drawBar(bar, [[0, 128, 255], [128, 128, 128], [255, 128, 0]], ends, '');
+    else if (show === 'difference') drawBar(bar, [regions[1], middle, regions[2]], ends, '');
+    else drawBar(bar, this.colours[this.part('colours').value], ['0', String(image.fullScale)], 'grey level');
   }
 
   // The sample's colours for the fan in the 3D view: bins x beams, four bytes each, dark samples see-through.
@@ -177,7 +205,7 @@ export class Images {
   move(view, right, down) {
     const {beams, bins} = this.simulated;
     if (this.cursor < 0) this.cursor = Math.floor(bins / 2) * beams + Math.floor(beams / 2);
-    const farther = view.view === 'fan' ? -down : down;
+    const farther = view.key.startsWith('fan') ? -down : down;
     const bin = Math.min(bins - 1, Math.max(0, Math.floor(this.cursor / beams) + farther));
     const beam = Math.min(beams - 1, Math.max(0, (this.cursor % beams) + right));
     this.cursor = bin * beams + beam;
@@ -189,8 +217,10 @@ export class Images {
     const point = (event) => {
       if (!view.lookup) return;
       const box = canvas.getBoundingClientRect();
-      const x = Math.floor(((event.clientX - box.left) * canvas.width) / box.width);
-      const y = Math.floor(((event.clientY - box.top) * canvas.height) / box.height);
+      // The picture is as large as fits, in the middle of the canvas.
+      const scale = Math.min(box.width / canvas.width, box.height / canvas.height);
+      const x = Math.floor((event.clientX - (box.left + box.right) / 2) / scale + canvas.width / 2);
+      const y = Math.floor((event.clientY - (box.top + box.bottom) / 2) / scale + canvas.height / 2);
       const inside = x >= 0 && y >= 0 && x < canvas.width && y < canvas.height;
       this.cursor = inside ? view.lookup.index[y * canvas.width + x] : -1;
       this.draw();

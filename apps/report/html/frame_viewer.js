@@ -15,7 +15,8 @@ const keysOf = (real) => ({
   regions: `Object in the ${real} image alone: blue; in the simulated one alone: orange; in both: white.`,
 });
 
-// Index of the sample (bin x beams + beam) that each pixel of a picture shows, -1 outside.
+// `index`: the sample (bin x beams + beam) that each pixel of a picture shows, -1 outside. `place`: where a range
+// in m and an azimuth in degrees lie, in pixels.
 function polarLookup(geometry, bins) {
   const beams = geometry.azimuth_deg.length;
   const width = Math.round(0.75 * kHeightPx);
@@ -26,7 +27,14 @@ function polarLookup(geometry, bins) {
       index[y * width + x] = bin * beams + Math.floor(((x + 0.5) * beams) / width);
     }
   }
-  return {width, height: kHeightPx, index};
+  const [nearest, farthest] = geometry.range_m;
+  const edges = beamEdges(geometry.azimuth_deg);
+  const place = (range, azimuth) => {
+    const beam = Math.max(0, Math.min(beams - 1, edges.findIndex((edge) => edge > azimuth) - 1));
+    const share = (azimuth - edges[beam]) / (edges[beam + 1] - edges[beam]);
+    return [((beam + share) * width) / beams, ((range - nearest) / (farthest - nearest)) * kHeightPx];
+  };
+  return {width, height: kHeightPx, index, place};
 }
 
 // Beams end halfway to their neighbours; the outermost reach as far outwards as inwards.
@@ -73,7 +81,9 @@ function fanLookup(geometry, bins) {
       index[row * width + col] = bin * beams + low;
     }
   }
-  return {width, height, index};
+  const place = (range, azimuth) => [(range * Math.sin(azimuth * radians) - left) / pixel,
+                                     (top - range * Math.cos(azimuth * radians)) / pixel];
+  return {width, height, index, place};
 }
 
 // Whose region ends at a pixel, as bits of `objects`: 1 recorded, 2 simulated. Beside the last column and below

@@ -255,6 +255,45 @@ class Visitor:
         self.settle()
         self.check(self.state("frame") == 0, "one undo does not go back to where playing began")
 
+    def point_and_zoom(self):
+        """The sample under the pointer is the one that is drawn there, also in a picture that is zoomed."""
+        canvas = self.find('[data-part="polar-canvas"]')
+        beams, bins = self.script("return [view.images.simulated.beams, view.images.simulated.bins]")
+        wide, high = self.script("return [arguments[0].width, arguments[0].height]", canvas)
+        box = canvas.rect
+        scale = min(box["width"] / wide, box["height"] / high)
+        right, down = 0.3, -0.2  # of the picture, from its middle
+
+        def point():
+            ActionChains(self.page).move_to_element_with_offset(
+                canvas, round(right * wide * scale), round(down * high * scale)).perform()
+            return self.script("return view.images.cursor")
+        at = point()
+        self.check(abs(at % beams - (0.5 + right) * beams) <= 1.5 and abs(at // beams - (0.5 + down) * bins) <= 1.5,
+                   f"the pointer reads bin {at // beams} of {bins} and beam {at % beams} of {beams}")
+        self.script("const box = arguments[0].parentElement.parentElement.getBoundingClientRect();"
+                    "arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -400, bubbles: true, cancelable: true,"
+                    "clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}))", canvas)
+        width = "return arguments[0].getBoundingClientRect().width"
+        self.check(self.script(width, canvas) > 2 * box["width"], "the wheel does not zoom")
+        nearer = point()
+        self.check(abs(nearer % beams - (0.5 + right / 2.2255) * beams) <= 1.5, f"zoomed, beam {nearer % beams} is read")
+        ActionChains(self.page).double_click(canvas).perform()
+        self.check(abs(self.script(width, canvas) - box["width"]) < 1, "a double click does not show all again")
+        self.check("m" in self.script("return document.querySelector('[data-part=\"fan-axes\"]').textContent"),
+                   "no range stands at the fan")
+
+    def show_side_by_side(self):
+        self.choose("simulated")  # and the pointer leaves the pictures
+        fan = self.picture()
+        self.choose("real")
+        real = self.picture()
+        self.choose("both")
+        self.check(self.picture() == fan, "side by side, the left fan is not the simulated one")
+        self.check(self.picture("polar") == real, "side by side, the right fan is not that of the recording")
+        self.shoot("side_by_side")
+        self.choose("simulated")
+
     def compare(self):
         drawn = self.write()
         self.run(["compare", "--real", "real", "--sim", "kept/sim", "--as-displayed", "--out", "compared", "-q"])
@@ -406,6 +445,8 @@ def main():
         visitor.go_through_frames()
         visitor.search()
         visitor.play()
+        visitor.point_and_zoom()
+        visitor.show_side_by_side()
         visitor.compare()
         visitor.change_the_model()
         visitor.fit()
