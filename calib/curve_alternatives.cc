@@ -25,7 +25,6 @@ constexpr std::size_t kCoarsePixels = 40'000;
 constexpr int kExchangeIterations = 40;
 constexpr int kProfileIterations = 12;
 constexpr double kCostTolerance = 0.02;  // nats
-constexpr double kBetterNats = 0.25;
 constexpr std::size_t kMaxBetter = 2;
 
 // An optimum is nearly as good if the odds against it are less than a hundred to one, in nats.
@@ -223,7 +222,7 @@ class Search {
                              catalog_[entry].CoordinateFromValue(base.values[entry]);
         if (std::abs(moved) > kSameSigmas * Sigma(k)) open[entry] = true;
       }
-      if (other->cost < base.cost - kBetterNats) better.push_back(std::move(*other));
+      if (other->cost < base.cost - kBetterCurveNats) better.push_back(std::move(*other));
     }
   }
 

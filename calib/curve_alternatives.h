@@ -26,6 +26,10 @@
 
 namespace sonarcal::calib {
 
+// Min gain of a better optimum, per pixel of a speckle cell. Rays at edges change the cost of a frame by more
+// than a smaller gain.
+inline constexpr double kBetterCurveNats = 0.25;
+
 // Optimum to test.
 struct FittedPoint {
   const ParameterValues& values;

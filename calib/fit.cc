@@ -27,10 +27,8 @@ constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to distinguish valleys
 constexpr double kLikelihoodTolerance = 1e-2;
 
-// Max number of moves to a better curve, and the min gain of a move per pixel of a speckle cell. Rays at
-// edges change the cost of a frame by more than a smaller gain.
+// Max number of moves to a better curve.
 constexpr int kMovesToBetter = 2;
-constexpr double kBetterNats = 0.25;
 
 // State of a fit while it runs: the free parameters, and the reason why others are not free.
 class Fitter {
@@ -251,7 +249,7 @@ class Fitter {
     for (const ParameterValues& start : starts) {
       state_.values = start;
       if (Solve(model_, Tolerance(), options_.max_iterations) &&
-          report_.cost_final < cost - kBetterNats * PixelsPerCell()) {
+          report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) {
         OrderGaussians(catalog_, Free(), state_.values);
         return true;
       }

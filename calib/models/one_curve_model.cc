@@ -1,15 +1,18 @@
 #include "calib/models/one_curve_model.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "calib/models/acoustic_evaluation.h"
 #include "calib/models/pixel_math.h"
 
 namespace sonarcal::calib {
 namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 class OneCurveEvaluation final : public FrameEvaluation {
  public:
@@ -64,17 +67,89 @@ class OneCurveEvaluation final : public FrameEvaluation {
   FrameModel::Terms wanted_;
 };
 
-bool IsOfCurve(const CatalogEntry& entry, int material) {
-  return entry.group == ParameterGroup::kGsab && entry.material == material;
+class QuadraticEvaluation final : public FrameEvaluation {
+ public:
+  QuadraticEvaluation(Eigen::VectorXd residual, RowMajor jacobian)
+      : residual_(std::move(residual)), jacobian_(std::move(jacobian)) {}
+
+  bool Bins(int first, int last, PixelTerms& terms) const override {
+    const int count = last - first;
+    terms.residual.assign(residual_.begin() + first, residual_.begin() + last);
+    terms.slope.assign(count, 1.0);
+    terms.information.assign(count, 1.0);
+    terms.eta_jacobian.assign(jacobian_.data() + first * jacobian_.cols(),
+                              jacobian_.data() + last * jacobian_.cols());
+    terms.repeat_factor.clear();
+    return residual_.allFinite();
+  }
+
+ private:
+  Eigen::VectorXd residual_;
+  RowMajor jacobian_;
+};
+
+// About a curve with the power `at` (a value per coarse incidence node).
+struct QuadraticCost {
+  Eigen::VectorXd at;
+  double cost = 0.0;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd curvature;  // expected information
+};
+
+// Each eigenvector of the curvature is a pixel: its residual is linear in the power of the nodes.
+class CurveQuadratic final : public FrameOfCurve {
+ public:
+  CurveQuadratic(const FrameModel& of, int material, const QuadraticCost& cost);
+
+  int range_bins() const override { return static_cast<int>(offset_.size()); }
+  std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
+                                      Terms wanted) const override;
+
+ private:
+  Eigen::MatrixXd by_node_;  // residuals = by_node_ * power of the nodes + offset_
+  Eigen::VectorXd offset_;
+};
+
+CurveQuadratic::CurveQuadratic(const FrameModel& of, int material, const QuadraticCost& cost)
+    : FrameOfCurve(of, material) {
+  constexpr double kOfLargest = 1e-12;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(cost.curvature);
+  const Eigen::Index nodes = cost.at.size();
+  const double smallest = kOfLargest * std::max(solver.eigenvalues()(nodes - 1), 0.0);
+  const auto open = static_cast<Eigen::Index>(
+      std::ranges::count_if(solver.eigenvalues(), [&](double value) { return !(value > smallest); }));
+  const Eigen::Index seen = nodes - open;
+  const Eigen::VectorXd root = solver.eigenvalues().tail(seen).cwiseSqrt();
+  const auto vectors = solver.eigenvectors().rightCols(seen);
+  by_node_ = Eigen::MatrixXd::Zero(seen + 1, nodes);
+  by_node_.topRows(seen) = root.asDiagonal() * vectors.transpose();
+  offset_ = Eigen::VectorXd::Zero(seen + 1);
+  offset_.head(seen) = (vectors.transpose() * cost.gradient).cwiseQuotient(root);
+  // The last residual makes the cost that of the pixels.
+  offset_(seen) = std::sqrt(std::max(2.0 * cost.cost - offset_.squaredNorm(), 0.0));
+  offset_ -= by_node_ * cost.at;
+}
+
+std::unique_ptr<FrameEvaluation> CurveQuadratic::At(int /*frame*/, const ParameterValues& values,
+                                                    std::span<const int> active, Terms wanted) const {
+  const std::vector<double> table = CurveTable(values);
+  const Eigen::Map<const RowMajor> rows(table.data(), by_node_.cols(), sim::kCurveStride);
+  const std::vector<std::size_t> columns =
+      wanted == Terms::kResiduals ? std::vector<std::size_t>() : CurveColumns(active);
+  RowMajor by_entry = RowMajor::Zero(by_node_.cols(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (columns[k] > 0)
+      by_entry.col(static_cast<Eigen::Index>(k)) = rows.col(static_cast<Eigen::Index>(columns[k]));
+  }
+  return std::make_unique<QuadraticEvaluation>(by_node_ * rows.col(0) + offset_, by_node_ * by_entry);
 }
 
 }  // namespace
 
-std::vector<double> CurveTable(const std::vector<CatalogEntry>& catalog, int material,
-                               const ParameterValues& values) {
+std::vector<double> FrameOfCurve::CurveTable(const ParameterValues& values) const {
   std::array<double, sim::kCurveTerms - 1> of_curve{};
-  for (std::size_t i = 0; i < catalog.size(); ++i) {
-    if (IsOfCurve(catalog[i], material)) of_curve[catalog[i].index] = values[i];
+  for (std::size_t i = 0; i < catalog().size(); ++i) {
+    if (IsOfCurve(catalog()[i])) of_curve[catalog()[i].index] = values[i];
   }
   const auto [a, b, c, d, e, f] = of_curve;
   std::vector<double> table;
@@ -82,29 +157,24 @@ std::vector<double> CurveTable(const std::vector<CatalogEntry>& catalog, int mat
   return table;
 }
 
-std::vector<std::size_t> CurveColumns(const std::vector<CatalogEntry>& catalog, int material,
-                                      std::span<const int> entries) {
+std::vector<std::size_t> FrameOfCurve::CurveColumns(std::span<const int> entries) const {
   std::vector<std::size_t> columns;
   for (const int entry : entries) {
-    const CatalogEntry& of = catalog[entry];
-    columns.push_back(IsOfCurve(of, material) ? 1 + static_cast<std::size_t>(of.index) : 0);
+    const CatalogEntry& of = catalog()[entry];
+    columns.push_back(IsOfCurve(of) ? 1 + static_cast<std::size_t>(of.index) : 0);
   }
   return columns;
 }
 
-OneCurveModel::OneCurveModel(const FrameModel& of, int material, OneCurvePixels pixels)
-    : of_(of), material_(material), pixels_(std::move(pixels)) {}
-
 std::unique_ptr<FrameEvaluation> OneCurveModel::At(int /*frame*/, const ParameterValues& values,
                                                    std::span<const int> active, Terms wanted) const {
   std::vector<std::size_t> columns;
-  if (wanted != Terms::kResiduals) columns = CurveColumns(catalog(), material_, active);
-  return std::make_unique<OneCurveEvaluation>(pixels_, CurveTable(catalog(), material_, values),
-                                              std::move(columns), wanted);
+  if (wanted != Terms::kResiduals) columns = CurveColumns(active);
+  return std::make_unique<OneCurveEvaluation>(pixels_, CurveTable(values), std::move(columns), wanted);
 }
 
 std::unique_ptr<FrameModel> OneCurveModel::Quadratic(const ParameterValues& values) const {
-  const std::vector<double> table = CurveTable(catalog(), material_, values);
+  const std::vector<double> table = CurveTable(values);
   const auto nodes = static_cast<Eigen::Index>(table.size()) / sim::kCurveStride;
   PixelTerms terms;
   if (!At(0, values, {}, Terms::kDerivatives)->Bins(0, range_bins(), terms)) return nullptr;
@@ -125,7 +195,7 @@ std::unique_ptr<FrameModel> OneCurveModel::Quadratic(const ParameterValues& valu
     }
     cost.cost += 0.5 * terms.residual[pixel] * terms.residual[pixel];
   }
-  return std::make_unique<CurveQuadratic>(*this, material_, cost);
+  return std::make_unique<CurveQuadratic>(of(), material(), cost);
 }
 
 std::unique_ptr<OneCurveModel> FrameModel::OfCurve(int /*material*/,

@@ -1,20 +1,54 @@
-// Pixels that show one material, as a function of its curve alone. Everything else stays, so that a pixel is
-// a sum over the incidence nodes of the curve and a constant:
+// Models of the pixels that show one material, as functions of its curve alone. Everything else stays, so
+// that a pixel is a sum over the incidence nodes of the curve and a constant:
 //
 //   mean = rest + sum over entries of weight x sigma(incidence).
 //
 // For searches that move one curve many times: other pixels, other materials and the receiver cost nothing.
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "calib/models/curve_quadratic.h"
 #include "calib/models/frame_model.h"
 #include "sim/gathered/pixel_echoes.h"
 
 namespace sonarcal::calib {
+
+// One frame with one beam, whose range bins are the pixels.
+class FrameOfCurve : public FrameModel {
+ public:
+  // `of`: model with the same catalog; must outlive this one.
+  FrameOfCurve(const FrameModel& of, int material) : of_(of), material_(material) {}
+
+  const std::vector<CatalogEntry>& catalog() const override { return of_.catalog(); }
+  int frame_count() const override { return 1; }
+  int frame_index(int /*frame*/) const override { return 0; }
+  int beams() const override { return 1; }
+  bool Counts(int /*frame*/, std::size_t /*pixel*/) const override { return true; }
+  bool ShowsMaterial(int material) const override { return material == material_; }
+  const std::vector<std::string>& material_names() const override { return of_.material_names(); }
+  bool IsLikelihood() const override { return true; }
+
+ protected:
+  const FrameModel& of() const { return of_; }
+  int material() const { return material_; }
+  // Power of the curve and its derivatives by A to F at these values, kCurveStride values per coarse
+  // incidence node.
+  std::vector<double> CurveTable(const ParameterValues& values) const;
+  // Column of the table for each entry; 0 for an entry of something else.
+  std::vector<std::size_t> CurveColumns(std::span<const int> entries) const;
+
+ private:
+  bool IsOfCurve(const CatalogEntry& entry) const {
+    return entry.group == ParameterGroup::kGsab && entry.material == material_;
+  }
+
+  const FrameModel& of_;
+  int material_;
+};
 
 // Pixels of all frames, one after the other.
 struct OneCurvePixels {
@@ -25,40 +59,23 @@ struct OneCurvePixels {
   double looks = 1.0;
 };
 
-// Power of a material's curve and its derivatives by A to F at these values, kCurveStride values per coarse
-// incidence node.
-std::vector<double> CurveTable(const std::vector<CatalogEntry>& catalog, int material,
-                               const ParameterValues& values);
-
-// Column of the table for each entry; 0 for an entry of something else.
-std::vector<std::size_t> CurveColumns(const std::vector<CatalogEntry>& catalog, int material,
-                                      std::span<const int> entries);
-
 // Half the sum of its squared residuals is that of the pixels alone. It differs from that of a model of all
 // pixels by a constant.
-class OneCurveModel final : public FrameModel {
+class OneCurveModel final : public FrameOfCurve {
  public:
-  // `of`: model with the same catalog; must outlive this one.
-  OneCurveModel(const FrameModel& of, int material, OneCurvePixels pixels);
+  OneCurveModel(const FrameModel& of, int material, OneCurvePixels pixels)
+      : FrameOfCurve(of, material), pixels_(std::move(pixels)) {}
 
-  const std::vector<CatalogEntry>& catalog() const override { return of_.catalog(); }
-  int frame_count() const override { return 1; }
-  int frame_index(int /*frame*/) const override { return 0; }
   int range_bins() const override { return static_cast<int>(pixels_.rest.size()); }
-  int beams() const override { return 1; }
-  bool Counts(int /*frame*/, std::size_t /*pixel*/) const override { return true; }
-  bool ShowsMaterial(int material) const override { return material == material_; }
-  const std::vector<std::string>& material_names() const override { return of_.material_names(); }
-  bool IsLikelihood() const override { return true; }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
 
-  // About these values. Null if the model has no value there.
+  // Returns the cost to second order in the power of the curve at the incidence nodes, about these values. A
+  // fit to it takes microseconds, and ends near an optimum of this model. A fit to this model that starts
+  // there needs few steps. Null if this model has no value at these values.
   std::unique_ptr<FrameModel> Quadratic(const ParameterValues& values) const;
 
  private:
-  const FrameModel& of_;
-  int material_;
   OneCurvePixels pixels_;
 };
 

@@ -135,7 +135,7 @@ TEST_F(CoarseFrameModelTest, AModelOfOneCurveDiffersByAConstant) {
   state.values = at;
   const CostSlopes of_quadratic = SlopesOfCost(*quadratic, fine.catalog(), state);
   EXPECT_TRUE(of_quadratic.gradient.isApprox(SlopesOfCost(*curve, fine.catalog(), state).gradient, 1e-5));
-  // Of the change of the cost, its second order counts, and a third order is left.
+  // A small step changes the cost of both by nearly the same amount.
   for (const double step : {0.01, 0.02}) {
     for (int member = 0; member < 6; ++member)
       state.values[first + member] = at[first + member] * (1.0 + step);
