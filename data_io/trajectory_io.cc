@@ -21,9 +21,6 @@ namespace {
 
 constexpr std::size_t kMaxBytes = 1 << 30;
 
-constexpr std::string_view kCsvColumns =
-    "time_s, x_m, y_m, z_m and either qw, qx, qy, qz or yaw_deg, pitch_deg, roll_deg";
-
 struct Line {
   int number = 0;  // starts at 1
   std::string_view text;
@@ -81,9 +78,8 @@ class LineReader {
     std::int64_t value = 0;
     const std::string_view field = Field(column, "the time");
     if (!ParseNumber(field, value))
-      Fail(fmt::format(
-          "the time is '{}', expected whole nanoseconds, as in EuRoC files, or a first line that names {}",
-          Printable(field), kCsvColumns));
+      Fail(fmt::format("the time is '{}', expected whole nanoseconds in a euroc file; {}", Printable(field),
+                       kTrajectoryColumns));
     constexpr std::int64_t kPerSecond = 1'000'000'000;
     return static_cast<double>(value / kPerSecond) + 1e-9 * static_cast<double>(value % kPerSecond);
   }
@@ -129,8 +125,8 @@ Columns ColumnsOf(const std::string& file, const Line& header) {
   const auto has = [&](std::string_view name) { return std::ranges::count(names, name) > 0; };
   const auto column = [&](std::string_view name) {
     if (std::ranges::count(names, name) != 1) {
-      throw DataError("{}:{}: {} columns are named '{}', expected one; needed are {}", file, header.number,
-                      std::ranges::count(names, name), name, kCsvColumns);
+      throw DataError("{}:{}: {} columns are named '{}', expected one; {}", file, header.number,
+                      std::ranges::count(names, name), name, kTrajectoryColumns);
     }
     return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
   };
@@ -182,10 +178,7 @@ TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
     if (Fields(line.text, Separator::kBlanks).size() == 8) return TrajectoryFormat::kTum;
     break;
   }
-  throw DataError(
-      "{}: no trajectory, expected a csv whose first line names {}; a EuRoC csv (time in ns, x, y, z, "
-      "qw, qx, qy, qz); or TUM's columns, separated by blanks (time in s, x, y, z, qx, qy, qz, qw)",
-      file.string(), kCsvColumns);
+  throw DataError("{}: no trajectory, expected one of these formats; {}", file.string(), kTrajectoryColumns);
 }
 
 std::vector<TrajectoryPose> ReadTrajectory(const std::filesystem::path& file, TrajectoryFormat format) {

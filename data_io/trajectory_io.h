@@ -23,6 +23,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -30,6 +31,13 @@
 #include "core/types/words.h"
 
 namespace sonarcal::data_io {
+
+// Columns of each format, in words.
+inline constexpr std::string_view kTrajectoryColumns =
+    "csv: the first line names time_s, x_m, y_m, z_m and either qw, qx, qy, qz or yaw_deg, pitch_deg, "
+    "roll_deg; "
+    "tum: time in s, x, y, z, qx, qy, qz, qw, separated by blanks; "
+    "euroc: time in ns, x, y, z, qw, qx, qy, qz, separated by commas";
 
 enum class TrajectoryFormat { kTum, kEuroc, kCsv };
 constexpr auto WordsOf(std::type_identity<TrajectoryFormat>) {

@@ -1,5 +1,7 @@
 // `sonarcal convert FILE --out REC`: writes a recording of any readable format as a recording folder,
 // optionally with the poses of the sonar from a file of poses or from a trajectory.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -190,10 +192,10 @@ void SetupConvert(CLI::App& app) {
   command
       ->add_option(
           "--trajectory", options->trajectory,
-          "Trajectory of the sonar, or of the body that carries it; gives every frame the pose at "
-          "its time, in place of its own. csv: the first line names time_s, x_m, y_m, z_m and either "
-          "qw, qx, qy, qz or yaw_deg, pitch_deg, roll_deg; tum: time in s, x, y, z, qx, qy, qz, qw, "
-          "separated by blanks; euroc: time in ns, x, y, z, qw, qx, qy, qz, separated by commas")
+          fmt::format(
+              "Trajectory of the sonar, or of the body that carries it; gives every frame the pose at "
+              "its time, in place of its own. Columns: {}",
+              data_io::kTrajectoryColumns))
       ->type_name("FILE");
   cli::AddChoice(*command, "--trajectory-format", options->trajectory_format,
                  "Format of the trajectory (default: determined from its first lines)");

@@ -1,23 +1,10 @@
 // Ranges and azimuths over a picture, as SVG of the picture's size in pixels, and the bar of its colours.
-/* global beamEdges */
+/* global beamEdges, ticksWithin */
 
 const kSvg = 'http://www.w3.org/2000/svg';
 const kRings = 5;    // about
 const kLines = 4;    // about
 const kArcSteps = 32;
-
-// 1, 2 or 5 times a power of ten, at least.
-function niceStep(least) {
-  const power = 10 ** Math.floor(Math.log10(least));
-  return [1, 2, 5, 10].map((by) => by * power).find((step) => step >= least * (1 - 1e-9));
-}
-
-function multiplesWithin(low, high, count) {
-  const step = niceStep((high - low) / count);
-  const values = [];
-  for (let k = Math.ceil(low / step); k * step <= high; ++k) values.push(Number((k * step).toPrecision(12)));
-  return values;
-}
 
 // `lookup`: of frame_viewer.js.
 export function drawAxes(svg, {range_m: [nearest, farthest], azimuth_deg: azimuth}, {width, height, place}) {
@@ -38,14 +25,14 @@ export function drawAxes(svg, {range_m: [nearest, farthest], azimuth_deg: azimut
     label.textContent = words;
     parts.push(label);
   };
-  for (const range of multiplesWithin(nearest, farthest, kRings)) {
+  for (const {value: range, text: words} of ticksWithin([nearest, farthest], kRings)) {
     const arc = Array.from({length: kArcSteps + 1}, (_, i) => first + ((last - first) * i) / kArcSteps);
     line(arc.map((at) => place(range, at)));
-    text(`${range} m`, place(range, first), 'start', -4);
+    text(`${words} m`, place(range, first), 'start', -4);
   }
-  for (const at of multiplesWithin(first, last, kLines)) {
+  for (const {value: at, text: words} of ticksWithin([first, last], kLines)) {
     line([place(nearest, at), place(farthest, at)]);
-    text(`${String(at).replace('-', '\u2212')}\u00b0`, place(farthest, at), 'middle', 20);
+    text(`${words}\u00b0`, place(farthest, at), 'middle', 20);
   }
   svg.replaceChildren(...parts);
 }

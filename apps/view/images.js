@@ -9,6 +9,9 @@ import {Zoom} from './zoom.js';
 const kCaptions = {fan: 'Fan: ahead is up', polar: 'Polar: near is up'};
 const kNotCompared = 'Regions appear once the image was compared with a recording.';
 
+// Real image in blue plus simulated image in orange, of grey values 0 .. 255.
+const overlaid = (real, simulated) => [simulated, (real + simulated) / 2, real];
+
 // A colour as a picture holds it, its bytes from the lowest on.
 const pack = (r, g, b) => ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
 
@@ -93,7 +96,7 @@ export class Images {
     }
     const real = greyOf(recorded);
     const made = greyOf(simulated);
-    if (show === 'overlay') return out.map((_, i) => pack(made[i], (real[i] + made[i]) / 2, real[i]));
+    if (show === 'overlay') return out.map((_, i) => pack(...overlaid(real[i], made[i])));
     return out.map((_, i) => {
       const d = (made[i] - real[i]) / 255 / kDifferenceShown;
       const end = regionColours[d < 0 ? 1 : 2];
@@ -125,6 +128,8 @@ export class Images {
       let caption = kCaptions[view.view];
       if (beside) caption = second ? `Fan, ${this.real}` : 'Fan, simulated';
       this.part(`${view.view}-caption`).textContent = caption;
+      const what = show === 'real' ? this.real : show;
+      view.name = beside ? `${second ? this.real : 'simulated'}_fan` : `${what}_${view.view}`;
       const {width, height, index} = lookup;
       const {canvas, context} = view;
       if (canvas.width !== width || canvas.height !== height) {
@@ -159,7 +164,7 @@ export class Images {
     const ends = [`${this.real} brighter`, 'simulated brighter'];
     const middle = [alike, alike, alike];
     bar.hidden = show === 'regions';
-    if (show === 'overlay') drawBar(bar, [[0, 128, 255], [128, 128, 128], [255, 128, 0]], ends, '');
+    if (show === 'overlay') drawBar(bar, [[255, 0], [128, 128], [0, 255]].map((pair) => overlaid(...pair)), ends, '');
     else if (show === 'difference') drawBar(bar, [regions[1], middle, regions[2]], ends, '');
     else drawBar(bar, this.colours[this.part('colours').value], ['0', String(image.fullScale)], 'grey level');
   }

@@ -271,15 +271,14 @@ async function save(write) {
   byId('command').hidden = false;
 }
 
-// Name of a file that holds what is shown of the frame.
-function nameOf(part, extension) {
-  const number = String(session.frames.length > 1 ? view.state.frame : 0).padStart(4, '0');
-  return `${images.show === 'real' ? images.real : images.show}_${part}_${number}.${extension}`;
+// Name of a file that holds what a picture shows.
+function nameOf(picture, extension) {
+  return `${picture.name}_${String(view.state.frame).padStart(4, '0')}.${extension}`;
 }
 
 function savePictures() {
-  for (const {view: part, canvas} of images.views) {
-    canvas.toBlob((blob) => download(nameOf(part, 'png'), blob), 'image/png');
+  for (const picture of images.views) {
+    picture.canvas.toBlob((blob) => download(nameOf(picture, 'png'), blob), 'image/png');
   }
 }
 
@@ -298,6 +297,7 @@ function listenToPlayer() {
         if (!playing) settle();
       });
   view.player = player;
+  const [fan] = images.views;
   byId('play').addEventListener('click', () => {
     if (player.timer) {
       player.stop();
@@ -309,7 +309,7 @@ function listenToPlayer() {
   byId('video').hidden = !Player.records;
   byId('video').addEventListener('click', () => {
     if (player.recorder) player.stop();
-    else player.record(images.views[0].canvas, (blob, extension) => download(nameOf('fan', extension), blob));
+    else player.record(fan.canvas, (blob, extension) => download(nameOf(fan, extension), blob));
   });
 }
 
