@@ -322,7 +322,7 @@ void HtmlReport::Details(std::string_view summary, std::string_view text) {
 
 std::string HtmlReport::ContentsHtml() const {
   if (headings_.size() < 2) return {};
-  // On a phone the list is closed until the box is ticked (report.css), without a script.
+  // Without room beside the page, the list is closed until the box is ticked (report.css), without a script.
   std::string html =
       "<nav aria-label=\"Contents\"><label><input type=\"checkbox\"/><strong>Contents</strong></label><ol>";
   for (std::size_t i = 0; i < headings_.size(); ++i) {

@@ -33,7 +33,7 @@ void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration
                     const std::string& recording) {
   std::string open = "The recording determines every value that was fitted.";
   if (!calibration.open.empty())
-    open = "It could not determine: " + fmt::format("{}.", fmt::join(calibration.open, "; "));
+    open = "The recording does not determine: " + fmt::format("{}.", fmt::join(calibration.open, "; "));
   AddFitOpening(report, calibration.evaluation, {AgreementSentence(calibration), open});
   AddSyntheticCallout(report, is_synthetic, recording);
   AddFitWarnings(report, calibration.evaluation.fit.report);

@@ -42,6 +42,11 @@ std::string IouText(const metrics::FrameMetrics& metrics) {
   return iou ? fmt::format("{:.3f}", *iou) : "none";
 }
 
+std::string BothIous(const workflow::CandidateImages& images) {
+  return fmt::format("{} with the expected image, {} with a speckled sample", IouText(images.of_expected),
+                     IouText(images.of_sample));
+}
+
 }  // namespace
 
 void AddCandidates(HtmlReport& report, const calib::PoseSearchResult& search) {
@@ -85,8 +90,10 @@ void AddLocation(HtmlReport& report, const workflow::Location& location, bool re
         {fmt::format("The best pose of the target in frame {} is at a range of {:.3f} m and an azimuth of "
                      "{:.2f} deg.",
                      frame.frame, pose.range_m, DegFromRad(pose.azimuth_rad)),
-         fmt::format("There the object regions of the {} and the simulated image have an IoU of {}.",
-                     RealWord(real_is_synthetic), IouText(images.of_expected))});
+         fmt::format(
+             "There the object regions of the {} image and of the simulated one have an IoU of {}; the "
+             "backscatter curve is not fitted.",
+             RealWord(real_is_synthetic), BothIous(images))});
   }
   AddSyntheticCallout(report, real_is_synthetic, recording);
   for (std::size_t i = 0; i < location.frames.size(); ++i) {
@@ -103,10 +110,8 @@ void AddLocation(HtmlReport& report, const workflow::Location& location, bool re
     for (std::size_t k = 0; k < frame.images.size(); ++k) {
       const workflow::CandidateImages& images = frame.images[k];
       report.Subsection(fmt::format("Pose {}: {}", k + 1, NameOf(search, search.candidates[k])));
-      report.Paragraph(fmt::format(
-          "IoU of the object regions: {} with the expected image, {} with a speckled sample. The backscatter "
-          "curve is not fitted.",
-          IouText(images.of_expected), IouText(images.of_sample)));
+      report.Paragraph(fmt::format("IoU of the object regions: {}. The backscatter curve is not fitted.",
+                                   BothIous(images)));
       workflow::ComparedFrame compared{recorded, images.expected, images.of_expected};
       compared.metrics.index = frame.frame;
       AddFramePictures(report, compared, fmt::format("Pose {}, expected image", k + 1), real_is_synthetic);
