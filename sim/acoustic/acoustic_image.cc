@@ -9,8 +9,7 @@
 #include <complex>
 #include <functional>
 #include <limits>
-#include <numeric>
-#include <type_traits>
+#include <span>
 #include <utility>
 
 #include "core/math/random.h"
@@ -23,30 +22,31 @@
 namespace sonarcal::sim {
 namespace {
 
-// True if all values are 0.
-template <typename Values>
-bool IsSilent(const Values& values) {
-  using T = std::remove_cvref_t<decltype(values[0])>;
-  return std::all_of(values.begin(), values.end(), [](const T& value) { return value == T(0.0); });
+bool IsSilent(std::span<const double> values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return value == 0.0; });
 }
 
-// Filters `fine` (fine rows x columns) along range, of field or of power, to bins x columns.
-template <typename T>
-Grid<T> AlongRange(const Grid<T>& fine, int range_bins, int range_steps, const ResponseWindow& pulse) {
+// Filters `fine` (fine rows x columns) along range, of power or of a part of the field, to bins x columns.
+Grid<double> AlongRange(const Grid<double>& fine, int range_bins, int range_steps,
+                        const ResponseWindow& pulse) {
+  constexpr int kBins = 8;
+  constexpr int kCols = 256;  // of that many bins and columns the fine rows stay in the cache
   std::vector<char> silent(fine.rows());
   for (int row = 0; row < fine.rows(); ++row) silent[row] = IsSilent(fine.row(row)) ? 1 : 0;
-  Grid<T> out(range_bins, fine.cols());
-  tbb::parallel_for(tbb::blocked_range<int>(0, range_bins, 8), [&](const tbb::blocked_range<int>& bins) {
-    for (int bin = bins.begin(); bin != bins.end(); ++bin) {
-      const auto in_bin = out.row(bin);
-      for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
-        const int row = bin * range_steps + pulse.first + static_cast<int>(i);
-        if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
-        const auto in = fine.row(row);
-        for (int col = 0; col < fine.cols(); ++col) in_bin[col] += pulse.weight[i] * in[col];
-      }
-    }
-  });
+  Grid<double> out(range_bins, fine.cols());
+  tbb::parallel_for(
+      tbb::blocked_range<int>(0, range_bins, kBins), [&](const tbb::blocked_range<int>& bins) {
+        for (int col = 0; col < fine.cols(); col += kCols) {
+          const int cols = std::min(kCols, fine.cols() - col);
+          for (int bin = bins.begin(); bin != bins.end(); ++bin) {
+            for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
+              const int row = bin * range_steps + pulse.first + static_cast<int>(i);
+              if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
+              row_math::AddScaled(pulse.weight[i], &fine(row, col), cols, &out(bin, col));
+            }
+          }
+        }
+      });
   return out;
 }
 
@@ -71,32 +71,22 @@ struct BeamPair {
     const double* const weights[] = {weight[0].data(), weight[1].data()};
     row_math::Dots(weights, rows, static_cast<int>(weight[0].size()), sums);
   }
-  void Sums(const std::complex<double>* const* rows, std::complex<double>* sums) const {
-    for (const std::vector<double>& of_beam : weight) {
-      for (int k = 0; k < row_math::kDots; ++k, ++sums) {
-        *sums =
-            std::inner_product(of_beam.begin(), of_beam.end(), rows[k], std::complex<double>(0.0),
-                               std::plus<>(), [](double w, const std::complex<double>& v) { return w * v; });
-      }
-    }
-  }
 };
 
 // Filters bins x columns along azimuth to bins x beams. A few bins and two beams at a time, because they
 // share their loads.
-template <typename T>
-Grid<T> AlongAzimuth(const Grid<T>& in_bins, const std::vector<ResponseWindow>& azimuth) {
+Grid<double> AlongAzimuth(const Grid<double>& in_bins, const std::vector<ResponseWindow>& azimuth) {
   constexpr int kTogether = row_math::kDots;
   const int beams = static_cast<int>(azimuth.size());
   std::vector<BeamPair> pairs;
   for (int beam = 0; beam < beams; beam += 2)
     pairs.emplace_back(azimuth[beam], azimuth[std::min(beam + 1, beams - 1)]);
-  Grid<T> out(in_bins.rows(), beams);
+  Grid<double> out(in_bins.rows(), beams);
   const int groups = (in_bins.rows() + kTogether - 1) / kTogether;
   tbb::parallel_for(tbb::blocked_range<int>(0, groups, 2), [&](const tbb::blocked_range<int>& range) {
     for (int first = range.begin() * kTogether; first < range.end() * kTogether; first += kTogether) {
       const int last = std::min(first + kTogether, in_bins.rows()) - 1;
-      std::array<const T*, kTogether> rows;
+      std::array<const double*, kTogether> rows;
       bool silent = true;
       for (int k = 0; k < kTogether; ++k) {
         const auto row = in_bins.row(std::min(first + k, last));
@@ -105,9 +95,9 @@ Grid<T> AlongAzimuth(const Grid<T>& in_bins, const std::vector<ResponseWindow>& 
       }
       if (silent) continue;
       for (int pair = 0; pair < static_cast<int>(pairs.size()); ++pair) {
-        std::array<const T*, kTogether> from;
+        std::array<const double*, kTogether> from;
         for (int k = 0; k < kTogether; ++k) from[k] = rows[k] + pairs[pair].first_col;
-        std::array<T, 2 * kTogether> sums;
+        std::array<double, 2 * kTogether> sums;
         pairs[pair].Sums(from.data(), sums.data());
         for (int beam = 2 * pair; beam < std::min(2 * pair + 2, beams); ++beam) {
           const int of_beam = (beam - 2 * pair) * kTogether;
@@ -121,13 +111,48 @@ Grid<T> AlongAzimuth(const Grid<T>& in_bins, const std::vector<ResponseWindow>& 
 
 // The pulse comes first because it leaves fewer rows for the azimuth response, which may be as wide as the
 // fan.
-template <typename T>
-Grid<T> ThroughResponses(const Grid<T>& fine, const AcousticGeometry& geometry,
-                         const ParameterSet& parameters, const ScatterMap& scatter, ResponseOf of) {
-  return AlongAzimuth(AlongRange(fine, geometry.sonar.axes.range_bins, scatter.range_steps,
-                                 PulseWindow(geometry.sonar, parameters, scatter.range_steps, of)),
-                      AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, of));
-}
+class FieldResponses {
+ public:
+  FieldResponses(const AcousticGeometry& geometry, const ParameterSet& parameters, const ScatterMap& scatter)
+      : range_bins_(geometry.sonar.axes.range_bins),
+        range_steps_(scatter.range_steps),
+        pulse_(PulseWindow(geometry.sonar, parameters, scatter.range_steps, ResponseOf::kField)),
+        azimuth_(
+            AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, ResponseOf::kField)) {}
+
+  // Field received, bins x beams, of the real or of the imaginary part of a field, fine rows x columns.
+  Grid<double> Received(const Grid<double>& part) const {
+    return AlongAzimuth(AlongRange(part, range_bins_, range_steps_, pulse_), azimuth_);
+  }
+
+ private:
+  int range_bins_;
+  int range_steps_;
+  ResponseWindow pulse_;
+  std::vector<ResponseWindow> azimuth_;
+};
+
+// Field of one look: each patch scatters with a random phase.
+struct ScatteredField {
+  ScatteredField(const ScatterMap& scatter, const CounterRandom& random)
+      : real(scatter.power.rows(), scatter.power.cols()), imaginary(real.rows(), real.cols()) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, real.rows(), 16), [&](const tbb::blocked_range<int>& rows) {
+      for (int row = rows.begin(); row != rows.end(); ++row) {
+        for (int col = 0; col < real.cols(); ++col) {
+          const double power = scatter.power(row, col);
+          if (power == 0.0) continue;
+          const auto [re, im] = random.Normal2(static_cast<std::size_t>(row) * real.cols() + col);
+          const double amplitude = std::sqrt(0.5 * power);
+          real(row, col) = amplitude * re;
+          imaginary(row, col) = amplitude * im;
+        }
+      }
+    });
+  }
+
+  Grid<double> real;
+  Grid<double> imaginary;
+};
 
 // Image of `value` of each power (0..1 of full scale, clipped).
 template <typename Value>
@@ -307,6 +332,7 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
     throw DataError("receiver.looks {}: a speckled image needs at least one look", parameters.receiver.looks);
   }
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
+  const FieldResponses responses(geometry, parameters, scatter);
   const BeamNoise beam_noise(geometry.sonar, parameters);
   const Grid<double> noise = NoiseFloorPower(geometry, parameters);
   const std::vector<double> gain = GainByBin(geometry, parameters);
@@ -316,19 +342,15 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
     const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
     const CounterRandom scatterers(seeds.scatterers, static_cast<std::uint32_t>(2 * look));
     const CounterRandom receiver(seeds.receiver, static_cast<std::uint32_t>(2 * look + 1));
-    Grid<Complex> field(scatter.power.rows(), scatter.power.cols());
-    for (std::size_t i = 0; i < field.size(); ++i) {
-      if (scatter.power.values()[i] == 0.0) continue;
-      const auto [re, im] = scatterers.Normal2(i);
-      field.values()[i] = std::sqrt(0.5 * scatter.power.values()[i]) * Complex(re, im);
-    }
-    const Grid<Complex> received = ThroughResponses(field, geometry, parameters, scatter, ResponseOf::kField);
+    const ScatteredField field(scatter, scatterers);
+    const Grid<double> real = responses.Received(field.real);
+    const Grid<double> imaginary = responses.Received(field.imaginary);
     tbb::parallel_for(0, power.rows(), [&](int bin) {
       std::vector<Complex> unit_noise(power.cols());
       beam_noise.Draw(receiver, bin, unit_noise);
       const double amplitude = std::sqrt(gain[bin]);
       for (int beam = 0; beam < power.cols(); ++beam) {
-        power(bin, beam) += weight * std::norm(amplitude * received(bin, beam) +
+        power(bin, beam) += weight * std::norm(amplitude * Complex(real(bin, beam), imaginary(bin, beam)) +
                                                std::sqrt(noise(bin, beam)) * unit_noise[beam]);
       }
     });

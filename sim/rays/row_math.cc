@@ -37,6 +37,11 @@ void WideSums(const float* const* __restrict weight, const float* __restrict val
 }
 
 SONARCAL_VECTOR_VERSIONS
+void AddScaled(double weight, const double* __restrict values, int count, double* __restrict sums) {
+  for (int i = 0; i < count; ++i) sums[i] += weight * values[i];
+}
+
+SONARCAL_VECTOR_VERSIONS
 double Dot(const double* __restrict a, const double* __restrict b, int count) {
   // Separate sums for each vector lane, several vectors at once.
   constexpr int kLanes = 16;

@@ -98,6 +98,9 @@ struct RangeRows {
 void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const float* range_m,
                const float* half_tangent, int count, float* parts, float* position, float* step);
 
+// Adds weight x values[i] to sums[i].
+void AddScaled(double weight, const double* values, int count, double* sums);
+
 double Dot(const double* a, const double* b, int count);
 
 // sums[w kDots + k] = sum over i of weight[w][i] x values[k][i], for two weights.
