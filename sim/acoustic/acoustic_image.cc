@@ -34,19 +34,18 @@ Grid<double> AlongRange(const Grid<double>& fine, int range_bins, int range_step
   std::vector<char> silent(fine.rows());
   for (int row = 0; row < fine.rows(); ++row) silent[row] = IsSilent(fine.row(row)) ? 1 : 0;
   Grid<double> out(range_bins, fine.cols());
-  tbb::parallel_for(
-      tbb::blocked_range<int>(0, range_bins, kBins), [&](const tbb::blocked_range<int>& bins) {
-        for (int col = 0; col < fine.cols(); col += kCols) {
-          const int cols = std::min(kCols, fine.cols() - col);
-          for (int bin = bins.begin(); bin != bins.end(); ++bin) {
-            for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
-              const int row = bin * range_steps + pulse.first + static_cast<int>(i);
-              if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
-              row_math::AddScaled(pulse.weight[i], &fine(row, col), cols, &out(bin, col));
-            }
-          }
+  tbb::parallel_for(tbb::blocked_range<int>(0, range_bins, kBins), [&](const tbb::blocked_range<int>& bins) {
+    for (int col = 0; col < fine.cols(); col += kCols) {
+      const int cols = std::min(kCols, fine.cols() - col);
+      for (int bin = bins.begin(); bin != bins.end(); ++bin) {
+        for (std::size_t i = 0; i < pulse.weight.size(); ++i) {
+          const int row = bin * range_steps + pulse.first + static_cast<int>(i);
+          if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
+          row_math::AddScaled(pulse.weight[i], &fine(row, col), cols, &out(bin, col));
         }
-      });
+      }
+    }
+  });
   return out;
 }
 
@@ -117,8 +116,8 @@ class FieldResponses {
       : range_bins_(geometry.sonar.axes.range_bins),
         range_steps_(scatter.range_steps),
         pulse_(PulseWindow(geometry.sonar, parameters, scatter.range_steps, ResponseOf::kField)),
-        azimuth_(
-            AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, ResponseOf::kField)) {}
+        azimuth_(AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, ResponseOf::kField)) {
+  }
 
   // Field received, bins x beams, of the real or of the imaginary part of a field, fine rows x columns.
   Grid<double> Received(const Grid<double>& part) const {

@@ -23,7 +23,7 @@ void AcousticFrame(benchmark::State& state) {
   const sim::Simulator simulator(scene, preset.sonar, options);
   const Pose pose = sim::MockupTankPoses(3).front();
   const double max_range_m = preset.sonar.axes.range_max_m;
-  const EmbreeAlone same_kernels(scene, simulator.fan(), pose, max_range_m, "max_isa=avx2");
+  const EmbreeAlone same_kernels(scene, simulator.fan(), pose, max_range_m, kSimulatorKernels);
   const EmbreeAlone own_kernels(scene, simulator.fan(), pose, max_range_m);
   const auto seconds = [&](const auto& run) {
     const double began = Now();

@@ -18,6 +18,9 @@
 
 namespace sonarcal::benchmarks {
 
+// Embree's configuration in the simulator (sim/rays/ray_caster.cc).
+inline constexpr const char* kSimulatorKernels = "max_isa=avx2";
+
 // In which order the rays of a fan are handed to Embree, sixteen after sixteen.
 enum class RayOrder { kRows, kTiles };  // along its rows; tiles of four rows by four columns
 
