@@ -76,7 +76,7 @@ class RayCaster {
   // Calls `of_block` for each block of columns of the fan; blocks run on all cores. block.cast(take) casts
   // the rays of the block and passes the hits of its rows to `take`, in order and on the calling thread. Sums
   // per column therefore do not depend on the number of threads.
-  static constexpr int kBlockCols = 32;
+  static constexpr int kBlockCols = 64;
   struct ColumnBlock {
     int first_col = 0;
     int cols = 0;  // at most kBlockCols

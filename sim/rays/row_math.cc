@@ -237,6 +237,39 @@ void HalfTangents(const float* __restrict dx, const float* __restrict dy, const 
   }
 }
 
+namespace {
+
+constexpr int kLanes = 64;
+
+// Calls of_lanes(first, count, value) for each kLanes of `count` elements. value[i] is that of the table at
+// position(first + i), in steps, interpolated linearly. The look-ups have a loop of their own, because the
+// compiler makes no vectors of a loop that contains them.
+template <typename Position, typename OfLanes>
+__attribute__((always_inline)) inline void Interpolate(const Table& table, int count,
+                                                       const Position& position, const OfLanes& of_lanes) {
+  const float* __restrict values = table.values;
+  float at[kLanes];
+  std::int32_t cell[kLanes];
+  float before[kLanes];
+  float after[kLanes];
+  for (int first = 0; first < count; first += kLanes) {
+    const int here = count - first < kLanes ? count - first : kLanes;
+    for (int i = 0; i < here; ++i) {
+      at[i] = position(first + i);
+      cell[i] = static_cast<std::int32_t>(at[i]);
+    }
+    for (int i = 0; i < here; ++i) {
+      before[i] = values[cell[i]];
+      after[i] = values[cell[i] + 1];
+    }
+    for (int i = 0; i < here; ++i)
+      before[i] += (at[i] - static_cast<float>(cell[i])) * (after[i] - before[i]);
+    of_lanes(first, here, before);
+  }
+}
+
+}  // namespace
+
 SONARCAL_VECTOR_VERSIONS
 void EchoSteps(const EchoLevel& level, const Table& table, const float* __restrict range_m,
                const float* __restrict half_tangent, const float* __restrict weight, int count,
@@ -244,68 +277,62 @@ void EchoSteps(const EchoLevel& level, const Table& table, const float* __restri
   constexpr float kNearestM = 1e-4F;
   constexpr float kFarthestM = 1e6F;
   const EchoLevel l = level;
-  const float* __restrict values = table.values;
   const auto table_steps = static_cast<float>(table.steps);
-  for (int i = 0; i < count; ++i) {
-    const float position = half_tangent[i] * table_steps;
-    const auto cell = static_cast<std::int32_t>(position);
-    const float part = position - static_cast<float>(cell);
-    const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
-    const float near = range_m[i] > kNearestM ? range_m[i] : kNearestM;
-    const float metres = near < kFarthestM ? near : kFarthestM;
-    const float echo = l.offset - l.per_log * std::log(metres) - l.per_m * metres + strength;
-    const float kept = echo > l.limit ? l.limit : (echo < -l.limit ? -l.limit : echo);
-    steps[i] = static_cast<std::int32_t>(std::nearbyint(kept * weight[i]));
-  }
+  Interpolate(
+      table, count, [&](int i) { return half_tangent[i] * table_steps; },
+      [&](int first, int here, const float* strength) {
+        for (int i = 0; i < here; ++i) {
+          const float range = range_m[first + i];
+          const float near = range > kNearestM ? range : kNearestM;
+          const float metres = near < kFarthestM ? near : kFarthestM;
+          const float echo = l.offset - l.per_log * std::log(metres) - l.per_m * metres + strength[i];
+          const float kept = echo > l.limit ? l.limit : (echo < -l.limit ? -l.limit : echo);
+          steps[first + i] = static_cast<std::int32_t>(std::nearbyint(kept * weight[first + i]));
+        }
+      });
 }
 
 SONARCAL_VECTOR_VERSIONS
 void ElevationWeights(const Table& table, float at, float per_offset,
                       const float* __restrict elevation_offset, const float* __restrict width, int count,
                       float* __restrict weight) {
-  const float* __restrict values = table.values;
   const auto table_steps = static_cast<float>(table.steps);
-  for (int i = 0; i < count; ++i) {
-    const float along = (at + per_offset * elevation_offset[i]) * table_steps;
-    const float inside = along > table_steps ? table_steps : along;
-    const float position = inside > 0.0F ? inside : 0.0F;
-    const auto cell = static_cast<std::int32_t>(position);
-    const float part = position - static_cast<float>(cell);
-    weight[i] = width[i] * (values[cell] + part * (values[cell + 1] - values[cell]));
-  }
+  Interpolate(
+      table, count,
+      [&](int i) {
+        const float along = (at + per_offset * elevation_offset[i]) * table_steps;
+        const float inside = along > table_steps ? table_steps : along;
+        return inside > 0.0F ? inside : 0.0F;
+      },
+      [&](int first, int here, const float* value) {
+        for (int i = 0; i < here; ++i) weight[first + i] = width[first + i] * value[i];
+      });
 }
 
 SONARCAL_VECTOR_VERSIONS
 void Lookup(const Table& table, const float* __restrict at, int count, float* __restrict value) {
-  const float* __restrict values = table.values;
   const auto table_steps = static_cast<float>(table.steps);
-  for (int i = 0; i < count; ++i) {
-    const float position = at[i] * table_steps;
-    const auto cell = static_cast<std::int32_t>(position);
-    const float part = position - static_cast<float>(cell);
-    value[i] = values[cell] + part * (values[cell + 1] - values[cell]);
-  }
+  Interpolate(
+      table, count, [&](int i) { return at[i] * table_steps; },
+      [&](int first, int here, const float* found) { std::copy_n(found, here, value + first); });
 }
 
 SONARCAL_VECTOR_VERSIONS
 void PatchPowers(const Table& table, float per_m, const float* __restrict range_m,
                  const float* __restrict half_tangent, const float* __restrict weight, int count,
                  float* __restrict power) {
-  const float* __restrict values = table.values;
   const auto table_steps = static_cast<float>(table.steps);
-  for (int i = 0; i < count; ++i) {
-    const float position = half_tangent[i] * table_steps;
-    const auto cell = static_cast<std::int32_t>(position);
-    const float part = position - static_cast<float>(cell);
-    const float strength = values[cell] + part * (values[cell + 1] - values[cell]);
-    const float range = range_m[i];
-    power[i] = strength * weight[i] * std::exp(-per_m * range) / (range * range);
-  }
+  Interpolate(
+      table, count, [&](int i) { return half_tangent[i] * table_steps; },
+      [&](int first, int here, const float* strength) {
+        for (int i = 0; i < here; ++i) {
+          const float range = range_m[first + i];
+          power[first + i] = strength[i] * weight[first + i] * std::exp(-per_m * range) / (range * range);
+        }
+      });
 }
 
 namespace {
-
-constexpr int kLanes = 64;
 
 // Philox2 (core/math/random.h), one lane per index.
 void PhiloxWordsPlain(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset,

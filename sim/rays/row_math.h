@@ -108,7 +108,7 @@ inline constexpr int kDots = 4;
 void Dots(const double* const* weight, const double* const* values, int count, double* sums);
 
 // Adds to sums[k] the sum over i of weight[i] x values[i kBlockCols + k], for k = 0 .. kBlockCols - 1.
-inline constexpr int kBlockCols = 32;
+inline constexpr int kBlockCols = 64;
 void WeighRows(const float* weight, const float* values, int count, float* sums);
 
 // sums[w kWideSum + k] = sum over i of weight[w][i] x values[i kWideSum + k], for two weights.
