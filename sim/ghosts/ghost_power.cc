@@ -1,6 +1,7 @@
 #include "sim/ghosts/ghost_power.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -43,7 +44,7 @@ struct ColumnShare {
 };
 
 constexpr int kBandCols = row_math::kBlockCols;
-constexpr std::size_t kChunk = 16384;  // echoes
+constexpr std::size_t kChunk = 2048;  // echoes
 constexpr std::size_t kManyEchoes = 50'000;
 
 // Shares of a list, by bands of kBandCols columns. Computed on all cores; ForEach visits a band in the order
@@ -52,9 +53,10 @@ class BandShares {
  public:
   BandShares(const GhostList& ghosts, const GhostPower& power, const ArrivalGrid& grid, int cols)
       : bands_((cols + kBandCols - 1) / kBandCols), chunks_((ghosts.echoes.size() + kChunk - 1) / kChunk) {
+    tbb::enumerable_thread_specific<std::vector<ColumnShare>> locals;
     tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t chunk) {
-      std::vector<ColumnShare> shares;
-      shares.reserve(4 * kChunk);
+      std::vector<ColumnShare>& shares = locals.local();
+      shares.clear();
       const std::size_t end = std::min((chunk + 1) * kChunk, ghosts.echoes.size());
       for (std::size_t i = chunk * kChunk; i < end; ++i) {
         const GhostEcho& echo = ghosts.echoes[i];
@@ -106,6 +108,15 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
       transmit_(parameters.beam),
       elevation_width_deg_(ElevationWidthDeg(geometry.sonar, parameters.beam)) {
   negligible_beyond_rad_ = BeyondRad(azimuth_);
+  const auto single = [](double value) { return static_cast<float>(value); };
+  for (const GsabParameters<double>& curve : model_.materials()) {
+    curves_.push_back({.a = single(curve.a),
+                       .b_deg = single(curve.b_deg),
+                       .c = single(curve.c),
+                       .d = single(curve.d),
+                       .e = single(curve.e),
+                       .f_deg = single(curve.f_deg)});
+  }
   for (const std::string& name : material_names) {
     const auto mirror = parameters.mirrors.find(name);
     loss_db_.push_back(mirror == parameters.mirrors.end() ? std::numeric_limits<double>::infinity()
@@ -168,9 +179,9 @@ double GhostPower::UnitOneWay(const GhostEcho& echo) const {
 }
 
 double GhostPower::OneWay(const GhostEcho& echo) const {
-  const GsabParameters<double>& gsab = model_.materials()[echo.material];
+  const GsabParameters<float>& gsab = curves_[echo.material];
   const double incidence_deg = DegFromRad(double{echo.leg.incidence_rad});
-  const double scattered =
+  const float scattered =
       echo.both_ways ? GsabBetweenPower(gsab, incidence_deg, DegFromRad(double{echo.other.incidence_rad}),
                                         DegFromRad(double{echo.tilt_rad}))
                      : GsabPower(gsab, incidence_deg);
@@ -179,13 +190,13 @@ double GhostPower::OneWay(const GhostEcho& echo) const {
   return model_.Power(path, scattered);
 }
 
-double GhostPower::InCommon(double azimuth_rad, double middle_rad) const {
-  const double apart_rad = azimuth_rad - middle_rad;
+double GhostPower::InCommon(float azimuth_rad, float middle_rad) const {
+  const float apart_rad = azimuth_rad - middle_rad;
   if (std::abs(apart_rad) > negligible_beyond_rad_) return 0.0;
   if (azimuth_.shape().pattern == AzimuthPattern::kAperture) {
     // sin a - sin m by one sine and one cosine. Most legs of a floor or a surface arrive from one azimuth.
-    const double mean_rad = 0.5 * (azimuth_rad + middle_rad);
-    const double field = azimuth_.ApertureFieldAt(2.0 * std::cos(mean_rad) * std::sin(0.5 * apart_rad));
+    const float mean_rad = 0.5F * (azimuth_rad + middle_rad);
+    const double field = azimuth_.ApertureFieldAt(2.0F * std::cos(mean_rad) * std::sin(0.5F * apart_rad));
     return field * field < kMinInCommon ? 0.0 : field * field;
   }
   const double power = azimuth_.Power(azimuth_rad, middle_rad);

@@ -62,14 +62,14 @@ class GhostPower {
   template <typename Take>
   void ForEachArrival(const GhostEcho& echo, double power, Take&& take) const {
     const double range_m = echo.range_m();
-    const double azimuth_rad = echo.leg.azimuth_rad;
-    const double other_rad = echo.other.azimuth_rad;
+    const float azimuth_rad = echo.leg.azimuth_rad;
+    const float other_rad = echo.other.azimuth_rad;
     const double sent = transmit_.Power(azimuth_rad);
     const double sent_by_other = transmit_.Power(other_rad);
     take(GhostArrival{range_m, azimuth_rad, power * sent_by_other});
     if (!echo.both_ways) return;
     take(GhostArrival{range_m, other_rad, power * sent});
-    const double middle_rad = 0.5 * (azimuth_rad + other_rad);
+    const float middle_rad = 0.5F * (azimuth_rad + other_rad);
     const double in_common = InCommon(azimuth_rad, middle_rad);
     if (in_common > 0.0) {
       take(GhostArrival{range_m, middle_rad, 2.0 * power * std::sqrt(sent * sent_by_other) * in_common});
@@ -82,9 +82,10 @@ class GhostPower {
   double MirrorLossDb(const GhostLeg& leg) const;
   double ElevationPower(double elevation_rad) const;
   // Response at the mean azimuth to an echo at `azimuth_rad`; 0 if negligible.
-  double InCommon(double azimuth_rad, double middle_rad) const;
+  double InCommon(float azimuth_rad, float middle_rad) const;
 
   EchoPowerModel model_;
+  std::vector<GsabParameters<float>> curves_;  // of the materials; images need no double precision
   AzimuthResponse<double> azimuth_;
   TransmitPattern transmit_;
   std::vector<double> elevation_table_;  // over -90 .. 90 degrees; empty: not tabulated

@@ -12,6 +12,7 @@
 #include "core/types/error.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/beam_pattern.h"
+#include "sim/rays/row_math.h"
 
 namespace sonarcal::sim {
 namespace {
@@ -59,6 +60,25 @@ float AngleRad(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) 
   return std::atan2(static_cast<float>(direction.cross(normal).norm()),
                     static_cast<float>(std::abs(direction.dot(normal))));
 }
+
+// Angles between directions and normals, computed together.
+class AngleBatch {
+ public:
+  void Add(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
+    sine_.push_back(static_cast<float>(direction.cross(normal).norm()));
+    cosine_.push_back(static_cast<float>(std::abs(direction.dot(normal))));
+  }
+  // In the order of Add.
+  std::vector<float> AnglesRad() const {
+    std::vector<float> angle_rad(sine_.size());
+    row_math::Angles(sine_.data(), cosine_.data(), static_cast<int>(sine_.size()), angle_rad.data());
+    return angle_rad;
+  }
+
+ private:
+  std::vector<float> sine_;
+  std::vector<float> cosine_;
+};
 
 // Bundles of a fan's row that hit a mirror, after the reflection.
 std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, int row) {
@@ -136,6 +156,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
   const FanHits hits = tracing.caster.FirstIntersections(rays);
   std::vector<Patch> patches;
   patches.reserve(seen.size());
+  AngleBatch incidence;
   std::vector<Seen> further;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const int triangle = hits.triangle[i];
@@ -153,7 +174,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
     if (patch.normal.dot(one.bundle.direction) > 0.0) patch.normal = -patch.normal;
     patch.leg.length_m = static_cast<float>(one.bundle.length_m + range_m);
     patch.leg.spreading_m = static_cast<float>(one.bundle.SpreadingM(range_m));
-    patch.leg.incidence_rad = AngleRad(one.bundle.direction, patch.normal);
+    incidence.Add(one.bundle.direction, patch.normal);
     patches.push_back(patch);
     if (level < tracing.options.order && tracing.mirrors.Reflects(triangle)) {
       Seen next{tracing.mirrors.Reflected(one.bundle, triangle, range_m), triangle, one.col,
@@ -163,6 +184,8 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
     }
   }
   seen = std::move(further);
+  const std::vector<float> incidence_rad = incidence.AnglesRad();
+  for (std::size_t i = 0; i < patches.size(); ++i) patches[i].leg.incidence_rad = incidence_rad[i];
   return patches;
 }
 
@@ -182,17 +205,15 @@ bool IsWanted(const Tracing& tracing, const GhostLeg& leg, const GhostLeg& other
          IsKept(tracing.options, 0.5F * (leg.length_m + other.length_m));
 }
 
-// Leg that leaves the sonar in a direction of the world, possibly by flat mirrors.
-GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d& from_sonar,
-                 float incidence_rad) {
+// Leg that leaves the sonar in a direction of the world, possibly by flat mirrors. Its incidence is not set.
+GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d& from_sonar) {
   const Eigen::Vector3d in_sonar = tracing.world_from_sonar.transpose() * from_sonar;
   GhostLeg leg;
   leg.length_m = static_cast<float>(length_m);
   leg.spreading_m = leg.length_m;
   const Eigen::Vector3f direction = in_sonar.cast<float>();
   leg.azimuth_rad = std::atan2(direction.x(), direction.y());
-  leg.elevation_rad = std::atan2(direction.z(), std::hypot(direction.x(), direction.y()));
-  leg.incidence_rad = incidence_rad;
+  leg.elevation_rad = std::atan2(direction.z(), direction.head<2>().norm());
   return leg;
 }
 
@@ -202,22 +223,27 @@ std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const 
   std::vector<std::optional<GhostLeg>> legs(patches.size());
   std::vector<std::size_t> of_ray;
   FreeRays rays;
+  AngleBatch incidence;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
     const Eigen::Vector3d start_m = patch.point_m + tracing.clearance_m * patch.normal;
     const Eigen::Vector3d to_sonar_m = tracing.sonar_m - start_m;
-    const double length_m = to_sonar_m.norm();
     if (!(to_sonar_m.dot(patch.normal) > 0.0)) continue;
-    const GhostLeg leg =
-        LegBack(tracing, length_m, -to_sonar_m / length_m, AngleRad(to_sonar_m / length_m, patch.normal));
+    const double length_m = to_sonar_m.norm();
+    const Eigen::Vector3d back = to_sonar_m / length_m;
+    const GhostLeg leg = LegBack(tracing, length_m, -back);
     if (!IsWanted(tracing, leg, patch.leg)) continue;
     legs[i] = leg;
     of_ray.push_back(i);
-    rays.Add(start_m, to_sonar_m / length_m, length_m - tracing.clearance_m);
+    incidence.Add(back, patch.normal);
+    rays.Add(start_m, back, length_m - tracing.clearance_m);
   }
+  const std::vector<float> incidence_rad = incidence.AnglesRad();
   const std::vector<char> occluded = tracing.caster.IsOccluded(rays);
   for (std::size_t ray = 0; ray < of_ray.size(); ++ray) {
-    if (occluded[ray] != 0) legs[of_ray[ray]].reset();
+    std::optional<GhostLeg>& leg = legs[of_ray[ray]];
+    leg->incidence_rad = incidence_rad[ray];
+    if (occluded[ray] != 0) leg.reset();
   }
   return legs;
 }
@@ -234,6 +260,8 @@ GhostEcho EchoOf(const Tracing& tracing, const Patch& patch) {
 void AddEchoes(const Tracing& tracing, const std::vector<Patch>& patches, std::vector<GhostEcho>& echoes) {
   echoes.reserve(echoes.size() + 2 * patches.size());
   const std::vector<std::optional<GhostLeg>> straight = StraightLegs(tracing, patches);
+  AngleBatch tilt;
+  std::vector<std::size_t> both_ways;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
     GhostEcho echo = EchoOf(tracing, patch);
@@ -246,9 +274,12 @@ void AddEchoes(const Tracing& tracing, const std::vector<Patch>& patches, std::v
     echo.both_ways = true;
     echo.other = *straight[i];
     const Eigen::Vector3d straight_back = (tracing.sonar_m - patch.point_m).normalized();
-    echo.tilt_rad = AngleRad((patch.back + straight_back).normalized(), patch.normal);
+    tilt.Add(patch.back + straight_back, patch.normal);
+    both_ways.push_back(echoes.size());
     echoes.push_back(echo);
   }
+  const std::vector<float> tilt_rad = tilt.AnglesRad();
+  for (std::size_t i = 0; i < both_ways.size(); ++i) echoes[both_ways[i]].tilt_rad = tilt_rad[i];
 }
 
 // Adds echoes that go out by the mirror that showed a patch and back by one flat mirror, and the reverse. The
@@ -277,7 +308,8 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
     if (!(back.dot(patch.normal) > 0.0) || !(share > 0.0 && share < 1.0)) continue;
     const Eigen::Vector3d mirror_m = start_m + share * to_image_m;
     const Eigen::Vector3d from_sonar = (mirror_m - tracing.sonar_m).normalized();
-    const GhostLeg leg = LegBack(tracing, length_m, from_sonar, AngleRad(back, patch.normal));
+    GhostLeg leg = LegBack(tracing, length_m, from_sonar);
+    leg.incidence_rad = AngleRad(back, patch.normal);
     if (!IsWanted(tracing, leg, patch.leg)) continue;
     candidates.push_back({&patch, leg, back, mirror_m, share * length_m});
     to_mirror.Add(start_m, back, share * length_m + 10.0 * tracing.clearance_m);

@@ -37,6 +37,19 @@ void WideSums(const float* const* __restrict weight, const float* __restrict val
 }
 
 SONARCAL_VECTOR_VERSIONS
+void Angles(const float* __restrict sine, const float* __restrict cosine, int count,
+            float* __restrict angle_rad) {
+  // The quotient of the smaller by the larger one keeps the digits at both ends.
+  for (int i = 0; i < count; ++i) {
+    const bool steep = sine[i] > cosine[i];
+    const float small = steep ? cosine[i] : sine[i];
+    const float large = steep ? sine[i] : cosine[i];
+    const float angle = std::atan(small / (large + 1e-30F));
+    angle_rad[i] = steep ? 0.5F * std::numbers::pi_v<float> - angle : angle;
+  }
+}
+
+SONARCAL_VECTOR_VERSIONS
 void AddScaled(double weight, const double* __restrict values, int count, double* __restrict sums) {
   for (int i = 0; i < count; ++i) sums[i] += weight * values[i];
 }

@@ -98,6 +98,9 @@ struct RangeRows {
 void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const float* range_m,
                const float* half_tangent, int count, float* parts, float* position, float* step);
 
+// Angles between 0 and 90 degrees of these sines and cosines (or of any multiple of both), rad.
+void Angles(const float* sine, const float* cosine, int count, float* angle_rad);
+
 // Adds weight x values[i] to sums[i].
 void AddScaled(double weight, const double* values, int count, double* sums);
 
