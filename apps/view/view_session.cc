@@ -64,15 +64,6 @@ std::string PoseKey(const Pose& pose) {
   return key.text();
 }
 
-// Key of everything else that determines the ghosts at a pose: their rays and the mirrors.
-std::string MirrorKey(const sim::Simulator& simulator, const ParameterSet& parameters) {
-  Key key;
-  Add(sim::GhostFanOptions(simulator.options().fan, simulator.sonar(), parameters.beam), key);
-  std::string text = key.text();
-  for (const auto& [name, mirror] : parameters.mirrors) text += name + '\n';
-  return text;
-}
-
 bool ShowSame(const ViewState& a, const ViewState& b) {
   const auto moved_alike = [&] {
     const auto of_a = a.poses.find(a.frame);
@@ -100,12 +91,10 @@ double Seconds(std::chrono::steady_clock::duration time) {
 
 }  // namespace
 
-// Echoes and ghosts at one pose with one fan of rays.
+// Echoes at one pose with one fan of rays.
 struct ViewSession::Traced {
   std::string rays_and_pose;
   sim::EchoList echoes;
-  std::optional<std::string> mirrors;  // key of the ghosts' mirrors; absent: ghosts were not traced
-  sim::GhostList ghosts;
 };
 
 ViewSession::ViewSession(ViewSetup setup) : setup_(std::move(setup)), bits_(BitsOf(setup_)) {
@@ -135,25 +124,17 @@ std::shared_ptr<const sim::Simulator> ViewSession::SimulatorFor(const ViewState&
   return simulator_;
 }
 
-const ViewSession::Traced& ViewSession::TraceFor(const sim::Simulator& simulator, const ViewState& state,
-                                                 const Pose& pose, ViewImage& image) {
+const sim::EchoList& ViewSession::EchoesFor(const sim::Simulator& simulator, const Pose& pose,
+                                            ViewImage& image) {
   const auto start = std::chrono::steady_clock::now();
   std::string key = RaysKey(simulator.sonar(), simulator.options()).text() + PoseKey(pose);
   if (!traced_ || traced_->rays_and_pose != key) {
-    traced_ = std::make_unique<Traced>(Traced{
-        .rays_and_pose = std::move(key), .echoes = simulator.TraceEchoes(pose), .mirrors = {}, .ghosts = {}});
+    traced_ = std::make_unique<Traced>(
+        Traced{.rays_and_pose = std::move(key), .echoes = simulator.TraceEchoes(pose)});
     image.traced = true;
   }
-  if (state.parameters.model == EchoModel::kAcoustic) {
-    std::string mirrors = MirrorKey(simulator, state.parameters);
-    if (traced_->mirrors != mirrors) {
-      traced_->ghosts = simulator.TraceGhosts(pose, state.parameters);
-      traced_->mirrors = std::move(mirrors);
-      image.traced = image.traced || !state.parameters.mirrors.empty();
-    }
-  }
   image.trace_s = Seconds(std::chrono::steady_clock::now() - start);
-  return *traced_;
+  return traced_->echoes;
 }
 
 ViewImage ViewSession::RenderNow(const ViewState& state) {
@@ -165,18 +146,13 @@ ViewImage ViewSession::RenderNow(const ViewState& state) {
   const Pose pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
   ViewImage rendered;
   const auto start = std::chrono::steady_clock::now();
-  if (state.noise && state.parameters.model == EchoModel::kPaper &&
-      setup_.rays.normals == sim::NormalSource::kGeometric) {
+  if (state.noise || state.parameters.model == EchoModel::kAcoustic) {
     rendered.image = simulator->Render(pose, state.parameters, state.frame);
     rendered.traced = true;
     rendered.trace_s = Seconds(std::chrono::steady_clock::now() - start);
   } else {
-    const Traced& traced = TraceFor(*simulator, state, pose, rendered);
-    const sim::GhostList& ghosts =
-        state.parameters.model == EchoModel::kAcoustic ? traced.ghosts : sim::GhostList{};
-    rendered.image = state.noise
-                         ? simulator->RenderEchoes(traced.echoes, state.parameters, state.frame, ghosts)
-                         : workflow::ExpectedFrame(*simulator, traced.echoes, state.parameters, ghosts);
+    rendered.image =
+        workflow::ExpectedFrame(*simulator, EchoesFor(*simulator, pose, rendered), state.parameters);
     rendered.shade_s = Seconds(std::chrono::steady_clock::now() - start) - rendered.trace_s;
   }
   last_state_ = state;

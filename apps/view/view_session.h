@@ -1,13 +1,10 @@
 // Contents of `sonarcal view`: a scene, a sonar, poses, and optionally a recording. Images equal those of
-// `sonarcal simulate --expected`, or with noise those of `sonarcal simulate --noise`: to the bit for the
-// paper's model, within a grey level for the acoustic one. Figures equal those of `sonarcal compare
-// --as-displayed` of these images.
+// `sonarcal simulate --expected`, or with noise those of `sonarcal simulate --noise`. Figures equal those of
+// `sonarcal compare --as-displayed` of these images.
 //
-// A scene is built once. Echoes are traced if pose, sonar or rays change. If only parameters change, they are
-// only shaded again. The paper's model casts and shades in one pass (sim/paper/paper_frame.h), which is
-// faster than shading stored echoes. `simulate` does so for the acoustic model too
-// (sim/acoustic/acoustic_frame.h), in single precision: a value near the edge of a grey level may round to
-// the other side.
+// A scene is built once. Rays are cast and shaded in one pass, which is faster than shading stored echoes. The
+// expected image of the paper's model has no such pass: its echoes are traced if pose, sonar or rays change,
+// and only shaded again if parameters change.
 //
 // All functions are thread-safe.
 #pragma once
@@ -50,7 +47,7 @@ struct ViewSetup {
 struct ViewImage {
   PolarImage image;
   bool traced = false;   // rays were cast for this image
-  double trace_s = 0.0;  // paper's model: includes shading; 0 if only shading was done
+  double trace_s = 0.0;  // includes shading where both are one pass; 0 if only shading was done
   double shade_s = 0.0;
 };
 
@@ -90,8 +87,7 @@ class ViewSession {
  private:
   struct Traced;
   std::shared_ptr<const sim::Simulator> SimulatorFor(const ViewState& state);
-  const Traced& TraceFor(const sim::Simulator& simulator, const ViewState& state, const Pose& pose,
-                         ViewImage& image);
+  const sim::EchoList& EchoesFor(const sim::Simulator& simulator, const Pose& pose, ViewImage& image);
   bool IsOvertaken(const ViewState& state);
   ViewImage RenderNow(const ViewState& state);
 

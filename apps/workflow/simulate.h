@@ -71,7 +71,7 @@ RecordingInfo SimulatedRecordingInfo(const sim::Simulator& simulator, const Para
 // Expected image of traced echoes and of ghosts (except in the paper's model). Rounded to whole grey levels,
 // as fits and comparisons evaluate it.
 PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& echoes,
-                         const ParameterSet& parameters, const sim::GhostList& ghosts);
+                         const ParameterSet& parameters, const sim::GhostList& ghosts = {});
 
 // A recording that renders each frame when it is read, so that writing needs constant memory. Frame i has
 // pose i and noise of seed + i. It is the same each time, in any order of reading. With `first_frame` it is a

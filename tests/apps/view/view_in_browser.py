@@ -7,6 +7,7 @@ subfolder `kept`. Prints how many images a second it saw. Ends with status 77 wh
 ChromeDriver or no Selenium to drive it.
 """
 
+import contextlib
 import json
 import pathlib
 import shlex
@@ -421,23 +422,32 @@ class Visitor:
         self.check("whole address" in self.find("#fault").text, f"without the token: '{self.find('#fault').text}'")
 
 
-def main():
-    sonarcal, folder = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
-    screenshots = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
-    browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if browser is None or driver is None:
-        print("Chromium or ChromeDriver is not installed")
-        return NOT_HERE
+@contextlib.contextmanager
+def visiting(sonarcal, folder, options, screenshots=None):
+    """A visitor of the page that `sonarcal view` with these options serves, in a headless browser."""
     program = subprocess.Popen(
-        [sonarcal, "view", "--scene", "scene.gltf", "--params", "params.json", "--real", "real", "--out", "kept",
-         "--sampling", "beams", "--rays", "96x200", "--port", "0", "--json", "--quiet"],
+        [sonarcal, "view", *options, "--out", "kept", "--port", "0", "--json", "--quiet"],
         cwd=folder, stdout=subprocess.PIPE, text=True)
     text = program.stdout.readline()
     while text.count("{") > text.count("}"):
         text += program.stdout.readline()
-    page = start_browser(browser, driver)
+    page = start_browser(shutil.which("chromium"), shutil.which("chromedriver"))
     try:
-        visitor = Visitor(page, sonarcal, folder, json.loads(text)["url"], screenshots)
+        yield Visitor(page, sonarcal, folder, json.loads(text)["url"], screenshots)
+    finally:
+        page.quit()
+        program.terminate()
+        program.wait()
+
+
+def main():
+    sonarcal, folder = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
+    screenshots = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+    if shutil.which("chromium") is None or shutil.which("chromedriver") is None:
+        print("Chromium or ChromeDriver is not installed")
+        return NOT_HERE
+    options = ["--scene", "scene.gltf", "--params", "params.json", "--real", "real", "--sampling", "beams", "--rays", "96x200"]
+    with visiting(sonarcal, folder, options, screenshots) as visitor:
         visitor.open()
         visitor.move_a_slider()
         visitor.type_a_number()
@@ -453,10 +463,6 @@ def main():
         visitor.look_at_it()
         visitor.look_at_logs()
         visitor.come_without_the_token()
-    finally:
-        page.quit()
-        program.terminate()
-        program.wait()
     for fault in visitor.faults:
         print(fault)
     return 1 if visitor.faults else 0
