@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "apps/workflow/kept_memory.h"
 #include "calib/acoustic_fit.h"
 #include "calib/parameters/pose_step.h"
 #include "sim/rays/acoustic_fan.h"
@@ -84,6 +85,7 @@ ParameterSet Initial() {
 }
 
 void FitBesideTracing(benchmark::State& state) {
+  workflow::KeepFreedMemory();  // as the program does
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const sim::Simulator simulator(
       sim::MakeMockupTank(), preset.sonar,
@@ -131,6 +133,7 @@ BENCHMARK(FitBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
 
 // Recorded poses are wrong by 15 mm and 0.8 degrees in each component.
 void PosesBesideTracing(benchmark::State& state) {
+  workflow::KeepFreedMemory();  // as the program does
   constexpr std::size_t kWrongFrames = 8;
   constexpr calib::PosePrior kWrong = {.position_m = 0.015, .angle_deg = 0.8};
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");

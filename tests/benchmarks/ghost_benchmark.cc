@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "apps/workflow/kept_memory.h"
 #include "sim/rays/acoustic_fan.h"
 #include "tests/benchmarks/benchmark_world.h"
 
@@ -11,6 +12,7 @@ namespace sonarcal::benchmarks {
 namespace {
 
 void TankGhosts(benchmark::State& state) {
+  workflow::KeepFreedMemory();  // as the program does
   constexpr int kRounds = 9;
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   sim::MockupTankOptions tank = sim::MockupTankOfSize(sim::SizeVariant::kStandard);
