@@ -2,7 +2,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -272,19 +271,12 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
 void RayCaster::CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                             const std::function<void(const ColumnBlock&)>& of_block) const {
   static_assert(kBlockCols % kTileCols == 0);
-  // As many blocks for each thread, and as many tiles in each block, as can be: no thread waits long.
-  const int threads = tbb::this_task_arena::max_concurrency();
-  const int tiles = (fan.cols() + kTileCols - 1) / kTileCols;
-  const int needed = (fan.cols() + kBlockCols - 1) / kBlockCols;
-  const int blocks = std::min((needed + threads - 1) / threads * threads, tiles);
-  const auto first_col = [&](int block) {
-    return std::min(static_cast<int>(std::int64_t{tiles} * block / blocks) * kTileCols, fan.cols());
-  };
+  const int blocks = (fan.cols() + kBlockCols - 1) / kBlockCols;
   tbb::parallel_for(0, blocks, [&](int block) {
     const embree::FlushDenormals flush;
     Casting casting(fan, world_from_sonar, max_range_m);
-    casting.first_col = first_col(block);
-    casting.cols = first_col(block + 1) - casting.first_col;
+    casting.first_col = block * kBlockCols;
+    casting.cols = std::min(kBlockCols, fan.cols() - casting.first_col);
     of_block({casting.first_col, casting.cols, [&](const std::function<void(const RowHits&)>& take) {
                 CastRowsOf(casting, 0, fan.rows(), take);
               }});
