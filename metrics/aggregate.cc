@@ -135,9 +135,7 @@ ViewAggregate AggregateView(const std::vector<FrameMetrics>& frames, ViewMetrics
   }
   ViewAggregate aggregate;
   aggregate.pooled = Pool(views, all);
-  for (std::size_t i = 0; i < levels.over.size(); ++i) {
-    aggregate.pooled.distribution[i] = levels.over[i].Distances();
-  }
+  aggregate.pooled.distribution = levels.Distances();
   CheckIdentity(aggregate.pooled.occupancy);
   SetValues(views, all, aggregate);
   SetIntervals(views, in_time, aggregate);

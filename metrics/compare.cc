@@ -59,21 +59,21 @@ Mask MadeOf(const Mask& valid, const FanMap& map) {
 }
 
 // `levels` receives the counts from which the distances are computed.
-ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
-                    const Mask& real_object, const Mask& simulated_object, const Mask* inside,
-                    LevelHistograms& levels) {
-  levels = CountLevels(real, simulated, full_scale, real_object, simulated_object, inside);
-  ViewMetrics metrics{
+ViewMetrics Measure(const Grid<float>& real, const Grid<float>& simulated, const ImageScale& scale,
+                    const Mask& real_object, const Mask& simulated_object, double echo_level,
+                    const Mask* inside, LevelHistograms& levels) {
+  const double full_scale = scale.full_scale;
+  levels = CountLevels(real, simulated, full_scale, real_object, simulated_object, echo_level, inside);
+  levels.span_db = DbSpan(scale);
+  return {
       .occupancy = CountOccupancy(real_object, simulated_object),
       .outline = {},
       .intensity = MeasureIntensityError(real, simulated, full_scale, real_object, simulated_object, inside),
       .ssim = MeasureSsim(real, simulated, full_scale, real_object, simulated_object, inside),
+      .echoes = CountEchoes(real, simulated, echo_level, inside),
+      .texture = MeasureTexture(real, simulated, real_object, simulated_object, inside),
       .speckle = {},
-      .distribution = {}};
-  for (std::size_t i = 0; i < levels.over.size(); ++i) {
-    metrics.distribution[i] = levels.over[i].Distances();
-  }
-  return metrics;
+      .distribution = levels.Distances()};
 }
 
 }  // namespace
@@ -96,6 +96,8 @@ ViewMetrics& ViewMetrics::operator+=(const ViewMetrics& other) {
   outline += other.outline;
   intensity += other.intensity;
   ssim += other.ssim;
+  echoes += other.echoes;
+  texture += other.texture;
   speckle += other.speckle;
   distribution = {};
   return *this;
@@ -167,12 +169,12 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   metrics.sweep = std::move(found.sweep);
   metrics.threshold_real = in_real.threshold;
   metrics.threshold_simulated = in_simulated.threshold;
-  const double full_scale = real.scale.full_scale;
-  FrameLevels& levels = metrics.levels.emplace();
-  metrics.polar = Measure(real.value, simulated.value, full_scale, in_real.object, in_simulated.object, valid,
-                          levels.polar);
-  metrics.polar.outline = MeasureOutlines(in_real.object, in_simulated.object, real.axes);
   const ImageScale& scale = StatesScale(real.scale) ? real.scale : simulated.scale;
+  const double echo_level = EchoLevel(real.value, valid);
+  FrameLevels& levels = metrics.levels.emplace();
+  metrics.polar = Measure(real.value, simulated.value, scale, in_real.object, in_simulated.object, echo_level,
+                          valid, levels.polar);
+  metrics.polar.outline = MeasureOutlines(in_real.object, in_simulated.object, real.axes);
   metrics.polar.speckle =
       MeasureSpeckle(real.value, simulated.value, scale, in_real.object, in_simulated.object, valid);
 
@@ -186,8 +188,8 @@ FrameMetrics FrameComparer::Compare(const PolarImage& real, const PolarImage& si
   Mask fan_simulated = map.ApplyNearest(in_simulated.object);
   std::optional<Mask> fan_inside;  // set if some samples are invalid
   if (valid != nullptr) fan_inside = MadeOf(*valid, map);
-  metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), full_scale, fan_real,
-                        fan_simulated, fan_inside ? &*fan_inside : &map.inside(), levels.fan);
+  metrics.fan = Measure(map.Apply(real.value), map.Apply(simulated.value), scale, fan_real, fan_simulated,
+                        echo_level, fan_inside ? &*fan_inside : &map.inside(), levels.fan);
   if (options_.keep_masks) {
     metrics.masks = FrameMasks{std::move(found.real.object), std::move(found.simulated.object),
                                std::move(fan_real), std::move(fan_simulated)};

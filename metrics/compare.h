@@ -21,11 +21,13 @@
 #include "core/types/image.h"
 #include "core/types/mask.h"
 #include "core/types/words.h"
+#include "metrics/measures/echoes.h"
 #include "metrics/measures/intensity.h"
 #include "metrics/measures/level_histograms.h"
 #include "metrics/measures/occupancy.h"
 #include "metrics/measures/outline.h"
 #include "metrics/measures/ssim.h"
+#include "metrics/measures/texture.h"
 #include "metrics/segmentation/object_region.h"
 #include "metrics/segmentation/segmentation.h"
 #include "metrics/speckle.h"
@@ -78,6 +80,8 @@ struct ViewMetrics {
   OutlineDistance outline;  // polar view only; the fan has the same regions
   IntensityError intensity;
   StructuralSimilarity ssim;
+  EchoCounts echoes;
+  TextureMeasures texture;
   SpeckleMeasures speckle;  // polar view only; without blocks in the fan
   // By LevelDomain. Distances do not add up: pooled frames have only those of their pooled levels.
   std::array<LevelDistances, kLevelDomains.size()> distribution;

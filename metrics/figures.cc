@@ -89,10 +89,33 @@ void AddDistribution(std::vector<Figure>& figures, LevelDomain domain) {
   };
   add("l1_half", "histogram L1/2", FigureUnit::kNone, &LevelDistances::l1_half);
   add("wasserstein", "Wasserstein-1", FigureUnit::kFullScale, &LevelDistances::wasserstein);
+  add("emd_db", "EMD", FigureUnit::kDecibel, &LevelDistances::emd_db);
   add("hellinger", "Hellinger", FigureUnit::kNone, &LevelDistances::hellinger);
   add("kolmogorov_smirnov", "Kolmogorov-Smirnov", FigureUnit::kNone, &LevelDistances::kolmogorov_smirnov);
   add("upper_anderson_darling", "upper-tail Anderson-Darling", FigureUnit::kNone,
       &LevelDistances::upper_anderson_darling);
+}
+
+void AddEchoes(std::vector<Figure>& figures) {
+  const auto add = [&](const char* path, const char* label, Better better,
+                       std::optional<double> (EchoCounts::*of)() const) {
+    figures.push_back(
+        {.path = path, .label = label, .better = better, .averaged = [of](const ViewMetrics& view) {
+           return (view.echoes.*of)();
+         }});
+  };
+  add("echoes.coverage_ratio", "echo coverage ratio", Better::kNearOne, &EchoCounts::coverage_ratio);
+  add("echoes.matched_real", "matched echoes, real", Better::kHigher, &EchoCounts::matched_real);
+  add("echoes.matched_simulated", "matched echoes, simulated", Better::kHigher,
+      &EchoCounts::matched_simulated);
+}
+
+void AddTexture(std::vector<Figure>& figures, const char* domain, TextureCounts TextureMeasures::*counts) {
+  figures.push_back(
+      {.path = fmt::format("texture.{}.lbp_divergence", domain),
+       .label = fmt::format("LBP texture, {}", domain),
+       .better = Better::kLower,
+       .averaged = [counts](const ViewMetrics& view) { return (view.texture.*counts).divergence(); }});
 }
 
 void AddSpeckle(std::vector<Figure>& figures, const char* region, SpeckleSums SpeckleMeasures::*real,
@@ -151,6 +174,9 @@ std::vector<Figure> MakeFigures() {
        .better = Better::kLower,
        .averaged = [](const ViewMetrics& view) { return view.intensity.objects.mean_difference(); }});
   for (const LevelDomain domain : kLevelDomains) AddDistribution(figures, domain);
+  AddEchoes(figures);
+  AddTexture(figures, "union", &TextureMeasures::union_region);
+  AddTexture(figures, "whole", &TextureMeasures::whole);
   AddSpeckle(figures, "background", &SpeckleMeasures::real_background,
              &SpeckleMeasures::simulated_background);
   AddSpeckle(figures, "object", &SpeckleMeasures::real_object, &SpeckleMeasures::simulated_object);
@@ -220,6 +246,12 @@ std::size_t FigureIndex(std::string_view path) {
       std::find_if(figures.begin(), figures.end(), [&](const Figure& f) { return f.path == path; });
   SONARCAL_CHECK(found != figures.end(), "no figure is named {}", path);
   return static_cast<std::size_t>(found - figures.begin());
+}
+
+std::vector<std::string> QuotedFigures() {
+  return {"distribution.echoes.emd_db",  "echoes.coverage_ratio",   "echoes.matched_real",
+          "echoes.matched_simulated",    "intensity.whole.psnr_db", "intensity.whole.ssim",
+          "texture.whole.lbp_divergence"};
 }
 
 std::string IntensityErrorPath(IntensityDomain domain) {

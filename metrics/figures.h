@@ -64,6 +64,9 @@ const std::vector<Figure>& Figures();
 // Throws std::logic_error for an unknown path.
 std::size_t FigureIndex(std::string_view path);
 
+// Paths of the figures that publications on sonar simulation report, for a table beside their results.
+std::vector<std::string> QuotedFigures();
+
 // Path of the figure that is named "intensity_error", such as "intensity.union.mean_absolute".
 std::string IntensityErrorPath(IntensityDomain domain);
 

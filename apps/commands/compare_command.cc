@@ -26,6 +26,7 @@
 #include "apps/report/sections/against_text.h"
 #include "apps/report/sections/agreement_section.h"
 #include "apps/report/sections/comparison_section.h"
+#include "apps/report/sections/figure_words.h"
 #include "apps/report/sections/residual_section.h"
 #include "apps/workflow/compare.h"
 #include "apps/workflow/parts/compare_parts.h"
@@ -67,11 +68,11 @@ std::string SummaryText(const metrics::MetricsReport& metrics) {
   const metrics::Aggregate* floor = metrics.noise_floor.Beside();
   std::string text = fmt::format("{} against {}, {} frame{}\n", metrics.simulated, metrics.real,
                                  all.frame_count, all.frame_count == 1 ? "" : "s");
-  text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", "", "mean of frames", "pixels pooled",
-                      floor != nullptr ? "  floor (mean)" : "");
-  const auto add = [&](const char* label, const std::string& path,
+  constexpr auto kRow = "  {:<26}  {:<24}  {:<24}{}\n";
+  text += fmt::format(kRow, "", "mean of frames", "pixels pooled", floor != nullptr ? "  floor (mean)" : "");
+  const auto add = [&](const std::string& label, const std::string& path,
                        metrics::ViewSummary metrics::Aggregate::Views::*view) {
-    text += fmt::format("  {:<24}  {:<22}  {:<22}{}\n", label, WithInterval((all.macro.*view).At(path)),
+    text += fmt::format(kRow, label, WithInterval((all.macro.*view).At(path)),
                         WithInterval((all.micro.*view).At(path)),
                         floor != nullptr ? "  " + WithInterval((floor->macro.*view).At(path)) : "");
   };
@@ -83,6 +84,10 @@ std::string SummaryText(const metrics::MetricsReport& metrics) {
   const std::string error_path = metrics::IntensityErrorPath(metrics.options.intensity_domain);
   add("intensity error, polar", error_path, &Views::polar);
   add("intensity error, fan", error_path, &Views::fan);
+  text += "  figures that others quote, polar\n";
+  for (const std::string& path : metrics::QuotedFigures()) {
+    add(report::LabelWithUnit(metrics::Figures()[metrics::FigureIndex(path)]), path, &Views::polar);
+  }
   if (all.no_interval_reason.empty()) {
     text += "  in brackets: 95 % interval over frames\n";
   } else {

@@ -117,6 +117,7 @@ void Visit(Archive& archive, LevelHistograms& levels) {
     List(archive, counts.real);
     List(archive, counts.simulated);
   }
+  archive.Plain(levels.span_db);
 }
 
 template <typename Archive>

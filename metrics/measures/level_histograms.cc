@@ -31,13 +31,15 @@ void AddCounts(std::vector<double>& counts, const std::vector<double>& other) {
 
 }  // namespace
 
-LevelDistances LevelCounts::Distances() const {
+LevelDistances LevelCounts::Distances(std::optional<double> span_db) const {
   const std::vector<double> p = Shares(real);
   const std::vector<double> q = Shares(simulated);
   if (p.empty() || q.empty()) return {};
   const double steps = std::max(1.0, static_cast<double>(p.size()) - 1.0);
+  const double wasserstein = WassersteinLevels(p, q) / steps;
   return {.l1_half = HistogramL1Half(p, q),
-          .wasserstein = WassersteinLevels(p, q) / steps,
+          .wasserstein = wasserstein,
+          .emd_db = span_db ? std::optional(wasserstein * *span_db) : std::nullopt,
           .hellinger = Hellinger(p, q),
           .kolmogorov_smirnov = KolmogorovSmirnov(p, q),
           .upper_anderson_darling = UpperTailAndersonDarling(p, q)};
@@ -49,13 +51,23 @@ LevelCounts& LevelCounts::operator+=(const LevelCounts& other) {
   return *this;
 }
 
+std::array<LevelDistances, kLevelDomains.size()> LevelHistograms::Distances() const {
+  std::array<LevelDistances, kLevelDomains.size()> distances;
+  for (std::size_t i = 0; i < over.size(); ++i) distances[i] = over[i].Distances(span_db);
+  return distances;
+}
+
 LevelHistograms& LevelHistograms::operator+=(const LevelHistograms& other) {
+  const bool is_first = Over(LevelDomain::kWhole).real.empty();
+  if (is_first) span_db = other.span_db;
+  if (span_db != other.span_db) span_db.reset();
   for (std::size_t i = 0; i < over.size(); ++i) over[i] += other.over[i];
   return *this;
 }
 
 LevelHistograms CountLevels(const Grid<float>& real, const Grid<float>& simulated, double full_scale,
-                            const Mask& real_object, const Mask& simulated_object, const Mask* inside) {
+                            const Mask& real_object, const Mask& simulated_object, double echo_level,
+                            const Mask* inside) {
   SONARCAL_CHECK(full_scale > 0.0, "full scale {}", full_scale);
   const auto steps = std::max(1.0, std::min(std::round(full_scale), kMaxLevels - 1.0));
   const auto level_of = [&](float value) {
@@ -82,6 +94,8 @@ LevelHistograms CountLevels(const Grid<float>& real, const Grid<float>& simulate
     if (in_real && in_simulated) add_both(LevelDomain::kOverlap, r, s);
     if (in_real) ++levels.Over(LevelDomain::kObjects).real[r];
     if (in_simulated) ++levels.Over(LevelDomain::kObjects).simulated[s];
+    if (real.values()[i] > echo_level) ++levels.Over(LevelDomain::kEchoes).real[r];
+    if (simulated.values()[i] > echo_level) ++levels.Over(LevelDomain::kEchoes).simulated[s];
   }
   return levels;
 }

@@ -49,8 +49,9 @@ TEST(FiguresTest, FinishingAnUnfinishedValueGivesTheValue) {
 // A frame against itself is as good as can be, and against another it is worse by every figure that says so.
 TEST(FiguresTest, AnImageAgainstItselfIsBestByEveryFigure) {
   CompareOptions options;
-  const PolarImage real = SpeckledBlock(1, 40.0);
-  const PolarImage brighter = SpeckledBlock(2, 44.0);
+  PolarImage real = SpeckledBlock(1, 40.0);
+  PolarImage brighter = SpeckledBlock(2, 44.0);
+  real.scale.db_span = brighter.scale.db_span = 80.0;
   PolarImage other = brighter;
   for (int row = 0; row < 120; ++row) {
     for (int col = 0; col < 40; ++col) other.value(row, col) = brighter.value(row, (col + 6) % 40);
@@ -83,9 +84,20 @@ TEST(FiguresTest, AnImageAgainstItselfIsBestByEveryFigure) {
 }
 
 TEST(FiguresTest, AFanHasEveryFigureButSpeckle) {
-  const FrameMetrics frame = CompareFrames(SpeckledBlock(1, 40.0), SpeckledBlock(2, 40.0));
+  PolarImage real = SpeckledBlock(1, 40.0);
+  PolarImage simulated = SpeckledBlock(2, 40.0);
+  real.scale.db_span = simulated.scale.db_span = 80.0;
+  const FrameMetrics frame = CompareFrames(real, simulated);
   for (const Figure& figure : Figures()) {
     EXPECT_EQ(figure.Of(frame.fan).has_value(), !figure.polar_only) << figure.path;
+  }
+}
+
+TEST(FiguresTest, QuotedFiguresHaveFloors) {
+  const std::vector<std::string> quoted = QuotedFigures();
+  EXPECT_EQ(quoted.size(), 7U);
+  for (const std::string& path : quoted) {
+    EXPECT_NE(Figures()[FigureIndex(path)].better, Better::kNeither) << path;
   }
 }
 

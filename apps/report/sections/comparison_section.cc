@@ -12,14 +12,17 @@
 #include "apps/report/pictures/sonar_picture.h"
 #include "apps/report/sections/figure_words.h"
 #include "apps/report/sections/segmentation_text.h"
+#include "metrics/figures.h"
 
 namespace sonarcal::report {
 namespace {
 
 constexpr std::size_t kMaxFrameRows = 200;
 
-// Headline figures: their usual names and their paths (metrics/figures.h).
-std::vector<std::pair<const char*, std::string>> HeadFigures(metrics::IntensityDomain domain) {
+// Names of figures and their paths (metrics/figures.h).
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+Rows HeadFigures(metrics::IntensityDomain domain) {
   return {{"Ns/Nr", "ns_over_nr"},
           {"Na/Ns", "na_over_ns"},
           {"Na/Nr", "na_over_nr"},
@@ -77,23 +80,31 @@ std::vector<std::string> TableNotes(const metrics::MetricsReport& metrics) {
   return notes;
 }
 
+Rows QuotedRows() {
+  Rows rows;
+  for (const std::string& path : metrics::QuotedFigures()) {
+    const metrics::Figure& figure = metrics::Figures()[metrics::FigureIndex(path)];
+    rows.emplace_back(LabelWithUnit(figure), path);
+  }
+  return rows;
+}
+
 // Table of one view: means over frames, pooled figures and the noise floor.
-Table SummaryTable(const metrics::MetricsReport& metrics, const char* kind,
+Table SummaryTable(const metrics::MetricsReport& metrics, const char* caption, const Rows& rows,
                    metrics::ViewSummary metrics::Aggregate::Views::*view) {
   const int frames = metrics.aggregate.frame_count;
   const metrics::ViewSummary& macro = metrics.aggregate.macro.*view;
   const metrics::ViewSummary& micro = metrics.aggregate.micro.*view;
   const metrics::Aggregate* floor = metrics.noise_floor.Beside();
-  Table table{
-      .caption = fmt::format("Agreement of the {} images, {} frame{}", kind, frames, frames == 1 ? "" : "s"),
-      .columns = {{"Figure"}, {"Mean of frames"}, {"95 %"}, {"Pixels pooled"}, {"95 %"}},
-      .rows = {},
-      .notes = TableNotes(metrics)};
+  Table table{.caption = fmt::format("{}, {} frame{}", caption, frames, frames == 1 ? "" : "s"),
+              .columns = {{"Figure"}, {"Mean of frames"}, {"95 %"}, {"Pixels pooled"}, {"95 %"}},
+              .rows = {},
+              .notes = TableNotes(metrics)};
   if (floor != nullptr) {
     table.columns.push_back({"Floor of the mean"});
     table.notes.push_back(FloorNote(metrics.noise_floor));
   }
-  for (const auto& [label, path] : HeadFigures(metrics.options.intensity_domain)) {
+  for (const auto& [label, path] : rows) {
     const metrics::Statistic& mean = macro.At(path);
     const metrics::Statistic& pooled = micro.At(path);
     TableRow row{
@@ -197,8 +208,11 @@ void AddKeyFigures(HtmlReport& report, const metrics::MetricsReport& metrics) {
 }
 
 void AddMetricTables(HtmlReport& report, const metrics::MetricsReport& metrics) {
-  report.Add(SummaryTable(metrics, "polar", &metrics::Aggregate::Views::polar));
-  report.Add(SummaryTable(metrics, "fan", &metrics::Aggregate::Views::fan));
+  using Views = metrics::Aggregate::Views;
+  const Rows head = HeadFigures(metrics.options.intensity_domain);
+  report.Add(SummaryTable(metrics, "Agreement of the polar images", head, &Views::polar));
+  report.Add(SummaryTable(metrics, "Agreement of the fan images", head, &Views::fan));
+  report.Add(SummaryTable(metrics, "Figures that others quote, polar images", QuotedRows(), &Views::polar));
   report.Add(FrameTable(metrics));
   for (const std::string& note : metrics.notes) report.Callout(CalloutKind::kNote, "Note", note);
 }

@@ -40,6 +40,11 @@ std::string UnitText(metrics::FigureUnit unit) {
   return {};
 }
 
+std::string LabelWithUnit(const metrics::Figure& figure) {
+  const std::string unit = UnitText(figure.unit);
+  return unit.empty() ? figure.label : fmt::format("{} ({})", figure.label, unit);
+}
+
 std::string DomainText(metrics::IntensityDomain domain) {
   switch (domain) {
     case metrics::IntensityDomain::kWhole:

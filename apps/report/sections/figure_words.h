@@ -20,6 +20,9 @@ std::string IntervalText(const metrics::Statistic& statistic);
 // Text such as "m", "dB", "bins", "part of full scale"; empty for a pure number.
 std::string UnitText(metrics::FigureUnit unit);
 
+// Text such as "PSNR, whole (dB)".
+std::string LabelWithUnit(const metrics::Figure& figure);
+
 // Text such as "the union of the two object regions".
 std::string DomainText(metrics::IntensityDomain domain);
 
