@@ -33,6 +33,7 @@ FOLDERS = [
     "metrics/segmentation",
     "metrics/measures",
     "metrics",
+    "metrics/task",
     "metrics/json",
     "sim/physics",
     "sim/rays",
@@ -56,6 +57,7 @@ FOLDERS = [
     "apps/workflow/parts",
     "apps/workflow/calibration",
     "apps/workflow/noise",
+    "apps/workflow/task",
     "apps/report/html",
     "apps/report/pictures",
     "apps/report/sections",
@@ -74,7 +76,7 @@ FOLDERS = [
 APART = [("metrics", "sim"), ("metrics", "calib")]
 
 # Touch no file: nobody who links them gets the libraries of data_io.
-WITHOUT_FILES = ["metrics/segmentation", "metrics/measures", "metrics"] + [f for f in FOLDERS if f.startswith("sim")]
+WITHOUT_FILES = ["metrics/segmentation", "metrics/measures", "metrics", "metrics/task"] + [f for f in FOLDERS if f.startswith("sim")]
 
 MAX_FILES = 30  # in a folder, so that a newcomer can read its list
 

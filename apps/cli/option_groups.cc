@@ -34,11 +34,12 @@ const std::map<std::string, std::string>& Groups() {
     add_struct(kComparison, workflow::ComparisonOptions{});
     add_struct(kRays, workflow::RayOptions{});
     add(kInput,
-        {"real",       "sim",    "scene",        "scene-unit", "scene-up",         "sonar",
-         "params",     "poses",  "recording",    "recordings", "background",       "target",
-         "topic",      "mirror", "sample-order", "plan",       "picture-geometry", "images",
-         "camera",     "mount",  "markers",      "port",       "trajectory",       "trajectory-format",
-         "pose-topic", "frames", "known",        "frame",      "pose-frames"});
+        {"real",        "sim",    "scene",        "scene-unit", "scene-up",         "sonar",
+         "params",      "poses",  "recording",    "recordings", "background",       "target",
+         "topic",       "mirror", "sample-order", "plan",       "picture-geometry", "images",
+         "camera",      "mount",  "markers",      "port",       "trajectory",       "trajectory-format",
+         "pose-topic",  "frames", "known",        "frame",      "pose-frames",      "train",
+         "train-masks", "test",   "test-masks"});
     add(kOutput, {"out", "force", "resume", "fan", "depth", "bits", "pictures", "sweep-csv"});
     add(kEveryCommand, {"help", "json", "quiet", "verbose", "log", "options"});
     return by_name;

@@ -27,5 +27,6 @@ void SetupExport(CLI::App& app);
 void SetupPoses(CLI::App& app);
 void SetupRecordings(CLI::App& app);
 void SetupSonars(CLI::App& app);
+void SetupTransfer(CLI::App& app);
 
 }  // namespace sonarcal::commands

@@ -93,6 +93,9 @@ const std::vector<Example>& Examples() {
        {"sonarcal fit --noise-only --real pings --out noise",
         "sonarcal judge-noise --params noise/params.json --real other_pings"},
        Needs::kFiles},
+      {"transfer",
+       {"sonarcal transfer --train simulated --object mockup --test recorded --test-masks masks"},
+       Needs::kFiles},
       {"batch", {"sonarcal batch plan.json --out many --jobs 2"}, Needs::kFiles},
   };
   return examples;

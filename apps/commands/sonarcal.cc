@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
     sonarcal::cli::AddCommands(app, group, setups);
   };
   add("Start here", {SetupScenes, SetupSimulate, SetupCompare, SetupFit, SetupReproduce});
-  add("Calibrate", {SetupCalibrate, SetupLocate, SetupPoses, SetupExplain, SetupJudgeNoise});
+  add("Calibrate", {SetupCalibrate, SetupLocate, SetupPoses, SetupExplain, SetupJudgeNoise, SetupTransfer});
   add("Look at data", {SetupInspect, SetupView, SetupGallery, SetupRays, SetupSonars, SetupRecordings});
   add("Exchange and automate", {SetupConvert, SetupExport, SetupBatch, SetupDocs});
   AddExamples(app);

@@ -1,0 +1,130 @@
+#include "metrics/task/transfer.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+#include "core/types/error.h"
+
+namespace sonarcal::metrics {
+namespace {
+
+// Outcome of a detector on one test frame.
+struct TestedFrame {
+  ScoreCounts scores;
+  Detection detection;
+};
+
+struct TrainedDetector {
+  PixelDetector detector;
+  int lowest_class = 0;
+};
+
+TrainedDetector Train(const std::vector<const LabelledFrame*>& frames) {
+  TrainedDetector trained{.detector = PixelDetector(frames)};
+  ScoreCounts scores;
+  for (const LabelledFrame* frame : frames) scores += CountScores(trained.detector.Score(*frame), frame->object);
+  trained.lowest_class = scores.BestClass();
+  return trained;
+}
+
+TestedFrame Test(const TrainedDetector& trained, const LabelledFrame& frame) {
+  const ScoreCounts scores = CountScores(trained.detector.Score(frame), frame.object);
+  return {.scores = scores, .detection = scores.From(trained.lowest_class)};
+}
+
+using Values = std::array<std::optional<double>, 4>;
+
+Values ValuesOf(const std::vector<TestedFrame>& frames, std::span<const int> indices) {
+  ScoreCounts scores;
+  Detection detection;
+  for (const int i : indices) {
+    scores += frames[i].scores;
+    detection += frames[i].detection;
+  }
+  return {scores.average_precision(), detection.iou(), detection.precision(), detection.recall()};
+}
+
+Values Difference(const Values& a, const Values& b) {
+  Values difference;
+  for (std::size_t i = 0; i < difference.size(); ++i) {
+    if (a[i] && b[i]) difference[i] = *a[i] - *b[i];
+  }
+  return difference;
+}
+
+// Values over all frames, and over draws of frames.
+struct DrawnValues {
+  Values all;
+  std::vector<Values> draws;
+
+  TransferFigure Figure(std::size_t figure) const {
+    TransferFigure result{.value = all[figure], .ci = {}};
+    std::vector<double> values;
+    for (const Values& draw : draws) {
+      if (draw[figure]) values.push_back(*draw[figure]);
+    }
+    if (result.value && !values.empty()) result.ci = PercentileInterval95(std::move(values));
+    return result;
+  }
+  DetectorFigures Figures() const { return {Figure(0), Figure(1), Figure(2), Figure(3)}; }
+};
+
+}  // namespace
+
+Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::vector<LabelledFrame>& test,
+                         const std::function<void(int done, int total)>& progress) {
+  const int count = static_cast<int>(test.size());
+  if (count < 2) throw DataError("{} test frames, expected 2 or more: one to train on, one to test", count);
+  Transfer transfer;
+  transfer.training_frames = static_cast<int>(training.size());
+  transfer.test_frames = count;
+  transfer.blocks = std::min(kTransferBlocks, count);
+  int done = 0;
+  const auto report = [&] {
+    if (progress) progress(++done, transfer.blocks + 1);
+  };
+
+  std::vector<const LabelledFrame*> of_training;
+  for (const LabelledFrame& frame : training) of_training.push_back(&frame);
+  const TrainedDetector by_training = Train(of_training);
+  std::vector<TestedFrame> simulated;
+  for (const LabelledFrame& frame : test) simulated.push_back(Test(by_training, frame));
+  report();
+
+  std::vector<TestedFrame> reference;
+  for (int block = 0; block < transfer.blocks; ++block) {
+    const int begin = block * count / transfer.blocks;
+    const int end = (block + 1) * count / transfer.blocks;
+    std::vector<const LabelledFrame*> others;
+    for (int i = 0; i < count; ++i) {
+      if (i < begin || i >= end) others.push_back(&test[i]);
+    }
+    const TrainedDetector by_others = Train(others);
+    for (int i = begin; i < end; ++i) reference.push_back(Test(by_others, test[i]));
+    report();
+  }
+
+  std::vector<int> all(test.size());
+  for (int i = 0; i < count; ++i) all[i] = i;
+  DrawnValues of_simulated{ValuesOf(simulated, all), {}};
+  DrawnValues of_reference{ValuesOf(reference, all), {}};
+  DrawnValues of_difference{Difference(of_simulated.all, of_reference.all), {}};
+  FrameResampler resampler(count);
+  for (int draw = 0; count >= kBootstrapMinFrames && draw < kBootstrapDraws; ++draw) {
+    const std::span<const int> indices = resampler.Next();
+    of_simulated.draws.push_back(ValuesOf(simulated, indices));
+    of_reference.draws.push_back(ValuesOf(reference, indices));
+    of_difference.draws.push_back(Difference(of_simulated.draws.back(), of_reference.draws.back()));
+  }
+  ScoreCounts scores;
+  for (const TestedFrame& frame : simulated) scores += frame.scores;
+  transfer.object_share = scores.object_share();
+  transfer.simulated = of_simulated.Figures();
+  transfer.reference = of_reference.Figures();
+  transfer.difference = of_difference.Figures();
+  return transfer;
+}
+
+}  // namespace sonarcal::metrics

@@ -1,0 +1,165 @@
+#include "metrics/task/transfer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <utility>
+
+#include "tests/metrics/human_masks.h"
+#include "tests/metrics/metrics_testing.h"
+#include "tests/support/recordings.h"
+
+namespace sonarcal::metrics {
+namespace {
+
+using testing::GridOf;
+using testing::MaskOf;
+
+// A speckled frame with a brighter block.
+LabelledFrame BlockFrame(std::uint64_t seed, double level_db = 20.0) {
+  LabelledFrame frame{.value = testing::SpeckledBlock(seed, level_db).value, .object = Mask(120, 40)};
+  for (int row = 30; row < 60; ++row) {
+    for (int col = 10; col < 25; ++col) frame.object(row, col) = 1;
+  }
+  return frame;
+}
+
+// Average precision by its definition: one step per distinct score.
+double SlowAveragePrecision(const std::vector<std::pair<int, bool>>& pixels) {
+  double objects = 0.0;
+  for (const auto& [score, is_object] : pixels) objects += is_object;
+  double sum = 0.0, before = 0.0;
+  for (int threshold = kScoreClasses; threshold >= 0; --threshold) {
+    double found = 0.0, detected = 0.0;
+    for (const auto& [score, is_object] : pixels) {
+      detected += score >= threshold;
+      found += score >= threshold && is_object;
+    }
+    if (detected > 0.0) sum += (found / objects - before) * found / detected;
+    before = found / objects;
+  }
+  return sum;
+}
+
+TEST(DetectionScoresTest, AveragePrecisionAgreesWithItsDefinition) {
+  std::mt19937_64 random(5);
+  ScoreCounts counts;
+  std::vector<std::pair<int, bool>> pixels;
+  for (int i = 0; i < 400; ++i) {
+    const bool is_object = random() % 4 == 0;
+    const int score = static_cast<int>(random() % (is_object ? 1000 : 700));
+    pixels.emplace_back(score, is_object);
+    ++(is_object ? counts.object : counts.other)[score];
+  }
+  EXPECT_NEAR(counts.average_precision().value(), SlowAveragePrecision(pixels), 1e-12);
+}
+
+// scikit-learn's example: labels 0 0 1 1, scores .1 .4 .35 .8 give .8333.
+TEST(DetectionScoresTest, AveragePrecisionOfAPublishedExample) {
+  const ScoreCounts counts = CountScores(GridOf({{0.1F, 0.4F, 0.35F, 0.8F}}), MaskOf({"..##"}));
+  EXPECT_NEAR(counts.average_precision().value(), 5.0 / 6.0, 1e-12);
+  EXPECT_DOUBLE_EQ(counts.object_share(), 0.5);
+}
+
+TEST(DetectionScoresTest, CountsAboveAThreshold) {
+  const ScoreCounts counts = CountScores(GridOf({{0.1F, 0.4F, 0.35F, 0.8F}}), MaskOf({"..##"}));
+  const Detection detection = counts.From(300);
+  EXPECT_DOUBLE_EQ(detection.precision().value(), 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(detection.recall().value(), 1.0);
+  EXPECT_DOUBLE_EQ(detection.iou().value(), 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(counts.From(counts.BestClass()).iou().value(), 2.0 / 3.0);
+  EXPECT_FALSE(ScoreCounts().average_precision());
+  EXPECT_FALSE(Detection().iou());
+}
+
+TEST(PixelDetectorTest, FeaturesAreBoxMeansAndSpreads) {
+  const Grid<float> value = testing::SpeckledBlock(3).value;
+  const Grid<float> features = PixelFeatures(value, 255.0);
+  Grid<float> brighter = value;
+  for (float& pixel : brighter.values()) pixel += 40.0F;
+  const Grid<float> of_brighter = PixelFeatures(brighter, 255.0);
+  std::vector<float> sorted(value.values().begin(), value.values().end());
+  std::ranges::sort(sorted);
+  const double median = 0.5 * (sorted[sorted.size() / 2 - 1] + sorted[sorted.size() / 2]);
+  const int row = 50, col = 20;
+  const auto box = [&](int half) {
+    double sum = 0.0, square = 0.0, count = 0.0;
+    for (int r = row - half; r <= row + half; ++r) {
+      for (int c = col - half; c <= col + half; ++c) {
+        const double share = (value(r, c) - median) / 255.0;
+        sum += share;
+        square += share * share;
+        ++count;
+      }
+    }
+    return std::pair{sum / count, std::sqrt(square / count - sum / count * sum / count)};
+  };
+  const int pixel = row * 40 + col;
+  EXPECT_NEAR(features(pixel, 0), (value(row, col) - median) / 255.0, 1e-6);
+  EXPECT_NEAR(features(pixel, 1), box(1).first, 1e-6);
+  EXPECT_NEAR(features(pixel, 2), box(1).first - box(4).first, 1e-6);
+  EXPECT_NEAR(features(pixel, 3), box(4).first - box(13).first, 1e-6);
+  EXPECT_NEAR(features(pixel, 4), box(13).first, 1e-6);
+  EXPECT_NEAR(features(pixel, 5), box(4).second, 1e-6);
+  EXPECT_NEAR(features(pixel, 6), box(13).second, 1e-6);
+  for (int f = 0; f < kPixelFeatures; ++f) EXPECT_NEAR(features(pixel, f), of_brighter(pixel, f), 1e-5);
+}
+
+TEST(PixelDetectorTest, NeedsBothClasses) {
+  LabelledFrame empty = BlockFrame(1);
+  std::ranges::fill(empty.object.values(), std::uint8_t{0});
+  EXPECT_THROW(PixelDetector({&empty}), DataError);
+}
+
+TEST(TransferTest, FramesOfOneLawTrainAsWellAsEachOther) {
+  std::vector<LabelledFrame> training, test;
+  for (int i = 0; i < 6; ++i) training.push_back(BlockFrame(i + 1));
+  for (int i = 0; i < 6; ++i) test.push_back(BlockFrame(i + 101));
+  const Transfer transfer = MeasureTransfer(training, test);
+  EXPECT_EQ(transfer.blocks, 5);
+  EXPECT_NEAR(transfer.object_share, 450.0 / 4800.0, 1e-12);
+  EXPECT_GT(transfer.simulated.average_precision.value.value(), 0.9);
+  EXPECT_GT(transfer.reference.iou.value.value(), 0.7);
+  EXPECT_NEAR(transfer.difference.average_precision.value.value(), 0.0, 0.03);
+  EXPECT_TRUE(transfer.difference.iou.ci);
+  const Transfer again = MeasureTransfer(training, test);
+  EXPECT_EQ(again.simulated.average_precision.value, transfer.simulated.average_precision.value);
+  EXPECT_EQ(again.difference.iou.ci, transfer.difference.iou.ci);
+}
+
+TEST(TransferTest, WrongLabelsTrainWorse) {
+  std::vector<LabelledFrame> training, test;
+  for (int i = 0; i < 4; ++i) {
+    training.push_back(BlockFrame(i + 1));
+    std::ranges::reverse(training.back().object.values());
+    test.push_back(BlockFrame(i + 101));
+  }
+  const Transfer transfer = MeasureTransfer(training, test);
+  EXPECT_LT(transfer.difference.average_precision.ci.value().hi, -0.3);
+  EXPECT_THROW(MeasureTransfer(training, {test[0]}), DataError);
+}
+
+// The recorded water-tank pictures with masks that people drew: a detector trained on other pictures finds
+// more than guessing does.
+TEST(TransferTest, RecordedObjectsAreFoundByADetectorOfOtherPictures) {
+  SONARCAL_NEEDS_RECORDING(folder, "aris3000_watertank");
+  std::vector<LabelledFrame> synthetic, test;
+  for (int i = 0; i < 6; ++i) synthetic.push_back(BlockFrame(i + 1));
+  for (const testing::HumanMask& picture : testing::ReadHumanMasks(folder)) {
+    LabelledFrame frame{.value = picture.image.value,
+                        .object = Mask(picture.image.value.rows(), picture.image.value.cols())};
+    for (std::size_t i = 0; i < picture.polar_index.size(); ++i) {
+      if (picture.object[i] != 0) frame.object.values()[picture.polar_index[i]] = 1;
+    }
+    test.push_back(std::move(frame));
+  }
+  const Transfer transfer = MeasureTransfer(synthetic, test);
+  EXPECT_GT(transfer.reference.average_precision.ci.value().lo, 2.0 * transfer.object_share);
+  EXPECT_LT(transfer.difference.average_precision.ci.value().hi, 0.0)
+      << "blocks of speckle are poor training data";
+}
+
+}  // namespace
+}  // namespace sonarcal::metrics
