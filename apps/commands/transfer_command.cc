@@ -105,9 +105,9 @@ std::string FigureText(const metrics::TransferFigure& figure) {
 }
 
 std::string TransferText(const metrics::Transfer& transfer, const Labelled& training, const Labelled& test) {
-  std::string text = fmt::format("trained on {} ({} frames), tested on {} ({} frames)\n",
-                                 fmt::join(training.names, ", "), transfer.training_frames,
-                                 fmt::join(test.names, ", "), transfer.test_frames);
+  std::string text =
+      fmt::format("trained on {} ({} frames), tested on {} ({} frames)\n", fmt::join(training.names, ", "),
+                  transfer.training_frames, fmt::join(test.names, ", "), transfer.test_frames);
   constexpr auto kRow = "  {:<20}{:<24}{:<24}{}\n";
   text += fmt::format(kRow, "", "trained on --train", "on other --test frames", "difference");
   const auto add = [&](const char* label, metrics::TransferFigure metrics::DetectorFigures::*figure) {
@@ -118,9 +118,10 @@ std::string TransferText(const metrics::Transfer& transfer, const Labelled& trai
   add("IoU", &metrics::DetectorFigures::iou);
   add("precision", &metrics::DetectorFigures::precision);
   add("recall", &metrics::DetectorFigures::recall);
-  return text + fmt::format("  guessing has an average precision of {:.3f}; in brackets: 95 % interval over "
-                            "test frames\n",
-                            transfer.object_share);
+  return text + fmt::format(
+                    "  guessing has an average precision of {:.3f}; in brackets: 95 % interval over "
+                    "test frames\n",
+                    transfer.object_share);
 }
 
 Json PathsJson(const Paths& paths) {
@@ -184,15 +185,16 @@ void SetupTransfer(CLI::App& app) {
   auto options = std::make_shared<TransferCommandOptions>();
   CLI::App* command = cli::AddCommand(
       app, "transfer", "Measures how well simulated frames train a detector for recorded ones");
-  AddRecordings(*command, "--train", options->training, "Recordings to train on, such as simulated ones", true);
+  AddRecordings(*command, "--train", options->training, "Recordings to train on, such as simulated ones",
+                true);
   AddRecordings(*command, "--train-masks", options->training_masks,
                 "Recordings of their masks: bright where the object is; required without --object", false);
   command
       ->add_option("--object", options->object,
                    "Material of the object, which the scene of each training recording labels")
       ->type_name("MATERIAL");
-  AddRecordings(*command, "--test", options->test, "Recordings to test on; a reference is trained on them too",
-                true);
+  AddRecordings(*command, "--test", options->test,
+                "Recordings to test on; a reference is trained on them too", true);
   AddRecordings(*command, "--test-masks", options->test_masks,
                 "Recordings of their masks, with the same frames and shapes", true);
   cli::AddOutFolder(*command, options->out, options->common,

@@ -62,8 +62,7 @@ struct PixelDetector::Forest {
 Grid<float> PixelFeatures(const Grid<float>& value, double full_scale) {
   SONARCAL_CHECK(value.size() > 0 && full_scale > 0.0, "features of {} pixels, full scale {}", value.size(),
                  full_scale);
-  const double median =
-      Median(std::vector<float>(value.values().begin(), value.values().end())) / full_scale;
+  const double median = Median(std::vector<float>(value.values().begin(), value.values().end())) / full_scale;
   Grid<double> share(value.rows(), value.cols());
   for (std::size_t i = 0; i < value.size(); ++i) share.values()[i] = value.values()[i] / full_scale - median;
   const Surroundings near = SurroundingsOf(share, 3);
@@ -74,13 +73,9 @@ Grid<float> PixelFeatures(const Grid<float>& value, double full_scale) {
     const double mean_3 = near.mean.values()[i];
     const double mean_9 = middle.mean.values()[i];
     const double mean_27 = far.mean.values()[i];
-    const std::array<double, kPixelFeatures> of_pixel = {share.values()[i],
-                                                         mean_3,
-                                                         mean_3 - mean_9,
-                                                         mean_9 - mean_27,
-                                                         mean_27,
-                                                         middle.spread.values()[i],
-                                                         far.spread.values()[i]};
+    const std::array<double, kPixelFeatures> of_pixel = {
+        share.values()[i],     mean_3, mean_3 - mean_9, mean_9 - mean_27, mean_27, middle.spread.values()[i],
+        far.spread.values()[i]};
     for (int f = 0; f < kPixelFeatures; ++f) {
       features(static_cast<int>(i), f) = static_cast<float>(of_pixel[f]);
     }

@@ -24,7 +24,8 @@ struct TrainedDetector {
 TrainedDetector Train(const std::vector<const LabelledFrame*>& frames) {
   TrainedDetector trained{.detector = PixelDetector(frames)};
   ScoreCounts scores;
-  for (const LabelledFrame* frame : frames) scores += CountScores(trained.detector.Score(*frame), frame->object);
+  for (const LabelledFrame* frame : frames)
+    scores += CountScores(trained.detector.Score(*frame), frame->object);
   trained.lowest_class = scores.BestClass();
   return trained;
 }

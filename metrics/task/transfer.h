@@ -8,7 +8,7 @@
 // frames.
 //
 // Figures pool the pixels of all test frames. Intervals: percentile bootstrap over test frames
-// (metrics/bootstrap.h). Both detectors have the same draws, so the interval of a difference is that of pairs.
+// (metrics/bootstrap.h). Both detectors have the same draws, so intervals of differences are those of pairs.
 // Intervals do not contain the variation of training.
 #pragma once
 

@@ -11,7 +11,8 @@ namespace sonarcal::workflow {
 namespace {
 
 metrics::LabelledFrame FrameOf(PolarImage image) {
-  metrics::LabelledFrame frame{.value = std::move(image.value), .full_scale = image.scale.full_scale, .object = {}};
+  metrics::LabelledFrame frame{
+      .value = std::move(image.value), .full_scale = image.scale.full_scale, .object = {}};
   frame.object = Mask(frame.value.rows(), frame.value.cols());
   return frame;
 }
