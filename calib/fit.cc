@@ -333,6 +333,15 @@ class Fitter {
                          names[worst] + ", whose standard error exceeds a surprisingly large step"};
   }
 
+  // Prior of a parameter that was free, in its unit.
+  std::optional<ReportedNormal> ReportedPrior(std::size_t index) const {
+    const CatalogEntry& entry = catalog_[index];
+    if (status_[index] == ParameterStatus::kFixed || !entry.prior || !std::isfinite(entry.prior->sigma))
+      return std::nullopt;
+    const double value = entry.ValueFromCoordinate(entry.prior->coordinate);
+    return ReportedNormal{.value = value, .sigma = entry.prior->sigma * entry.ValueSlope(value)};
+  }
+
   void Finish() {
     std::vector<std::optional<double>> sigma(catalog_.size());
     if (covariance_.rows() == static_cast<Eigen::Index>(interior_.size())) {
@@ -358,7 +367,8 @@ class Fitter {
                                     .initial = initial_[i],
                                     .lower = entry.lower,
                                     .upper = entry.upper,
-                                    .status = status});
+                                    .status = status,
+                                    .prior = ReportedPrior(i)});
     }
     DescribeGauge();
     for (int frame = 0; frame < model_.frame_count(); ++frame) {
@@ -390,14 +400,14 @@ class Fitter {
           "A, C and E of every material have a prior about the paper's curve 70 dB above db_min at 1 m, 20 "
           "dB "
           "wide; B, D and F about the paper's values, a factor of e, 1 and a factor of e wide; other free "
-          "parameters about the value given, one surprising step wide; a configuration (--config) may give "
-          "others");
+          "parameters about the value given, one surprising step wide; a named material (--material) or a "
+          "configuration (--config) may give others");
     }
     if (acoustic) {
       report_.gauge.emplace_back(
           "every free parameter has a prior about the value given, one surprising step wide: a factor of ten "
-          "for powers, of e for widths, 1 for D, 10 dB for losses of mirrors; a configuration (--config) may "
-          "give others");
+          "for powers, of e for widths, 1 for D, 10 dB for losses of mirrors; a named material (--material) "
+          "or a configuration (--config) may give others");
     }
   }
 

@@ -36,15 +36,17 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
   json["warnings"] = report.warnings;
   json["parameters"] = Json::array();
   for (const FittedParameter& p : report.parameters) {
-    json["parameters"].push_back({{"name", p.name},
-                                  {"value", FiniteOrNull(p.value)},
-                                  {"sigma", p.sigma ? FiniteOrNull(*p.sigma) : Json(nullptr)},
-                                  {"unit", p.unit},
-                                  {"initial", FiniteOrNull(p.initial)},
-                                  {"lower", p.lower},
-                                  {"upper", p.upper},
-                                  {"status", ToString(p.status)},
-                                  {"truth", p.truth ? Json(*p.truth) : Json(nullptr)}});
+    json["parameters"].push_back(
+        {{"name", p.name},
+         {"value", FiniteOrNull(p.value)},
+         {"sigma", p.sigma ? FiniteOrNull(*p.sigma) : Json(nullptr)},
+         {"unit", p.unit},
+         {"initial", FiniteOrNull(p.initial)},
+         {"lower", p.lower},
+         {"upper", p.upper},
+         {"status", ToString(p.status)},
+         {"truth", p.truth ? Json(*p.truth) : Json(nullptr)},
+         {"prior", p.prior ? Json::array({p.prior->value, p.prior->sigma}) : Json(nullptr)}});
   }
   json["gauge"] = report.gauge;
   json["unidentifiable_directions"] = report.unidentifiable_directions;

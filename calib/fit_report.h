@@ -20,6 +20,11 @@ constexpr auto WordsOf(std::type_identity<ParameterStatus>) {
                                     {"at_bound", ParameterStatus::kAtBound}}};
 }
 
+struct ReportedNormal {
+  double value = 0.0;
+  double sigma = 0.0;
+};
+
 struct FittedParameter {
   std::string name;
   std::string unit;
@@ -30,6 +35,9 @@ struct FittedParameter {
   double upper = 0.0;
   ParameterStatus status = ParameterStatus::kFixed;
   std::optional<double> truth = {};  // known for simulated recordings only
+  // Absent for a fixed parameter and in a fit without priors. A parameter that is fitted as a logarithm has a
+  // normal law of its logarithm, with the standard deviation sigma / value.
+  std::optional<ReportedNormal> prior = {};
 };
 
 struct ResidualSummary {

@@ -60,7 +60,7 @@ PARAMS = {
     "noise_level_db": 0,
     "array_gain_db": 0,
     "display": {"db_min": 60, "db_max": 120, "law": "log", "soft_db": 0, "exponent": 1},
-    "materials": {"default": {"gsab": GSAB}},
+    "materials": {"default": {"gsab": GSAB, "prior": "silt"}},
     "mirror": {"wall": {"loss_db": 6}},
     "jitter": {
         "sigma_range_m": 0.01,
@@ -497,7 +497,7 @@ class World:
             "format": "sonar-parameters/1",
             "model": "acoustic",
             "display": {"db_min": 60, "db_max": 120},
-            "materials": {"default": {"gsab": GSAB}},
+            "materials": {"default": {"gsab": GSAB, "prior": "silt"}},
             "receiver": {"noise_db": 75},
         })
         self.write("config.json", FIT_CONFIG)

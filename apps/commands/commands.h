@@ -28,5 +28,6 @@ void SetupPoses(CLI::App& app);
 void SetupRecordings(CLI::App& app);
 void SetupSonars(CLI::App& app);
 void SetupTransfer(CLI::App& app);
+void SetupMaterials(CLI::App& app);
 
 }  // namespace sonarcal::commands

@@ -58,6 +58,7 @@ const std::vector<Example>& Examples() {
       {"compare", {kScenes, kRecord, kSimulate, kCompare}},
       {"fit", {kScenes, kRecord, kFit}},
       {"sonars", {"sonarcal sonars"}},
+      {"materials", {"sonarcal materials --list", "sonarcal materials sand:medium"}},
       {"recordings", {"sonarcal recordings"}},
       {"convert", {kScenes, kRecord, "sonarcal convert recorded --frames 0:2 --out first_two"}},
       {"export",

@@ -1,6 +1,6 @@
 // `sonarcal export --to WHAT --out FILE`: writes parameters and sonar as the configuration of another
-// simulator, or a recording as a file of other tools.
-#include <fmt/format.h>
+// simulator, a recording as a file of other tools, or fitted curves as named materials.
+#include <fmt/ranges.h>
 
 #include <array>
 #include <chrono>
@@ -29,6 +29,7 @@
 #include "apps/cli/sonar_option.h"
 #include "apps/commands/commands.h"
 #include "apps/export/simulator_configs.h"
+#include "apps/workflow/materials/fitted_materials.h"
 #include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
@@ -37,6 +38,7 @@
 #include "data_io/bag_writers/ros1_bag_writer.h"
 #include "data_io/files/hash.h"
 #include "data_io/json/json_writer.h"
+#include "data_io/parameters/materials_io.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pictures/fan_pictures.h"
 #include "data_io/recordings/npz_writer.h"
@@ -58,10 +60,11 @@ enum class ExportTarget {
   kMcap,
   kNpz,
   kPng,
-  kMp4
+  kMp4,
+  kMaterials
 };
 constexpr auto WordsOf(std::type_identity<ExportTarget>) {
-  return Words<ExportTarget, 11>{{{"dave", ExportTarget::kDave},
+  return Words<ExportTarget, 12>{{{"dave", ExportTarget::kDave},
                                   {"dave-ros2", ExportTarget::kDaveRos2},
                                   {"holoocean", ExportTarget::kHoloOcean},
                                   {"stonefish", ExportTarget::kStonefish},
@@ -71,7 +74,8 @@ constexpr auto WordsOf(std::type_identity<ExportTarget>) {
                                   {"mcap", ExportTarget::kMcap},
                                   {"npz", ExportTarget::kNpz},
                                   {"png", ExportTarget::kPng},
-                                  {"mp4", ExportTarget::kMp4}}};
+                                  {"mp4", ExportTarget::kMp4},
+                                  {"materials", ExportTarget::kMaterials}}};
 }
 
 struct ExportOptions {
@@ -90,6 +94,7 @@ struct ExportOptions {
   cli::SceneFormat scene_format;
   int height_px = 0;          // height of pictures; 0: one pixel per range bin, at most 800
   double frames_per_s = 0.0;  // frame rate of a video; 0: as recorded
+  std::filesystem::path fit;  // fit.json, for kMaterials
 };
 
 namespace fs = std::filesystem;
@@ -136,6 +141,10 @@ void CheckOptions(const ExportOptions& options) {
     refuse(!options.frames.empty(), "--frames", "recordings");
   } else {
     if (options.recording.empty()) throw UsageError("--to {} needs --recording, which is exported", to);
+    if (options.to == ExportTarget::kMaterials) {
+      if (options.fit.empty()) throw UsageError("--to {} needs --fit, the fit.json with the curves", to);
+      refuse(!options.frames.empty(), "--frames", "recordings");
+    }
     if (options.to != ExportTarget::kMcap) {
       refuse(!options.params.empty(), "--params", "simulators and mcap");
       refuse(!options.sonar.empty(), "--sonar", "simulators and mcap");
@@ -147,6 +156,7 @@ void CheckOptions(const ExportOptions& options) {
   if (options.to != ExportTarget::kMcap && !HasWorld(options.to))
     refuse(!options.scene.empty(), "--scene", "mcap, stonefish, gazebo and dave-ros2");
   if (options.to != ExportTarget::kPng) refuse(options.common.force, "--force", "png");
+  if (options.to != ExportTarget::kMaterials) refuse(!options.fit.empty(), "--fit", "materials");
   if (options.to != ExportTarget::kMp4) refuse(options.frames_per_s != 0.0, "--fps", "mp4");
   if (options.to == ExportTarget::kMp4 && options.out.extension() != ".mp4") {
     throw UsageError(
@@ -169,7 +179,8 @@ Json Configuration(const ExportOptions& options) {
                         {"frames", options.frames.Text()},
                         {"height_px", options.height_px},
                         {"frames_per_s", options.frames_per_s},
-                        {"scene", options.scene.string()}};
+                        {"scene", options.scene.string()},
+                        {"fit", options.fit.string()}};
   configuration.update(cli::SceneFormatJson(options.scene_format));
   return configuration;
 }
@@ -388,10 +399,36 @@ cli::ExitStatus ExportRecording(const ExportOptions& options) {
   return cli::ExitStatus::kDone;
 }
 
+// Writes the fitted curves as named materials.
+cli::ExitStatus ExportMaterials(const ExportOptions& options) {
+  const auto recording = cli::OpenWithBagOptions(options.recording, options.bag);
+  const std::vector<NamedMaterial> materials = workflow::FittedMaterials(options.fit, recording->info());
+  const Json json = data_io::MaterialsJson(materials);
+  cli::RunOutput output = OutputOf(options);
+  const std::string file = options.out.filename().string();
+  data_io::WriteJson(output / file, json);
+  data_io::WriteJson(output / (file + ".provenance.json"),
+                     cli::ProvenanceToJson({.command = "export",
+                                            .configuration = Configuration(options),
+                                            .inputs = {options.recording, options.fit}}));
+  output.Commit();
+  if (options.common.json) {
+    cli::PrintJson(json);
+  } else {
+    std::vector<std::string> names;
+    for (const NamedMaterial& material : materials) names.push_back(material.name);
+    cli::PrintResult(fmt::format("{}: {}{}; --materials {} makes them known to fit and calibrate\n",
+                                 options.out.string(), fmt::join(names, ", "),
+                                 recording->info().synthetic ? " (synthetic)" : "", options.out.string()));
+  }
+  return cli::ExitStatus::kDone;
+}
+
 }  // namespace
 
 cli::ExitStatus RunExport(const ExportOptions& options) {
   CheckOptions(options);
+  if (options.to == ExportTarget::kMaterials) return ExportMaterials(options);
   const SimulatorExport* simulator = SimulatorOf(options.to);
   return simulator == nullptr ? ExportRecording(options) : ExportConfiguration(options, *simulator);
 }
@@ -399,9 +436,9 @@ cli::ExitStatus RunExport(const ExportOptions& options) {
 void SetupExport(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = cli::AddCommand(app, "export", "Writes parameters or a recording for other tools");
-  cli::internal::AddChoice<ExportTarget>(*command, "--to",
-                                         "Simulator whose configuration is written, or format of a recording",
-                                         [options](ExportTarget to) { options->to = to; })
+  cli::internal::AddChoice<ExportTarget>(
+      *command, "--to", "Simulator whose configuration is written, format of a recording, or materials",
+      [options](ExportTarget to) { options->to = to; })
       ->required();
   cli::AddOutFolder(*command, options->out, options->common,
                     "File to write (a folder for png); an account of the export is written beside it as JSON")
@@ -416,8 +453,13 @@ void SetupExport(CLI::App& app) {
   cli::AddOptionNamed(*command, options->rays, "absorption");
   command
       ->add_option("--recording", options->recording,
-                   "Recording to export, of any format; for simulators, a recording of the sonar")
+                   "Recording to export, of any format; for simulators, a recording of the sonar; for "
+                   "materials, the one that was fitted")
       ->type_name("REC");
+  command
+      ->add_option("--fit", options->fit,
+                   "For materials: fit.json of a fit to --recording, whose curves become named materials")
+      ->type_name("JSON");
   cli::AddBagOptions(*command, options->bag);
   cli::AddFrames(*command, options->frames, "Frames to export");
   cli::AddSceneOptions(

@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
   };
   add("Start here", {SetupScenes, SetupSimulate, SetupCompare, SetupFit, SetupReproduce});
   add("Calibrate", {SetupCalibrate, SetupLocate, SetupPoses, SetupExplain, SetupJudgeNoise, SetupTransfer});
-  add("Look at data", {SetupInspect, SetupView, SetupGallery, SetupRays, SetupSonars, SetupRecordings});
+  add("Look at data",
+      {SetupInspect, SetupView, SetupGallery, SetupRays, SetupSonars, SetupMaterials, SetupRecordings});
   add("Exchange and automate", {SetupConvert, SetupExport, SetupBatch, SetupDocs});
   AddExamples(app);
   return sonarcal::cli::RunApp(app, argc, argv);

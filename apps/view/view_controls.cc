@@ -218,6 +218,7 @@ class Builder {
   }
 
   void Add(const ParameterInfo&, const std::vector<double>&, const Place&) {}
+  void Add(const ParameterInfo&, const std::string&, const Place&) {}
 
   const ViewControlInput& input_;
   std::vector<calib::CatalogEntry> paper_;

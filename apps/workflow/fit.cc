@@ -484,6 +484,7 @@ calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet&
   if (!options.fixed.empty()) config.fixed = options.fixed;
   if (!options.held_out.empty()) config.held_out = options.held_out.In(frame_count, kHeldOutFrame);
   if (!options.frames.empty()) TakeFrames(options.frames.In(frame_count), config);
+  AddMaterialPriors(options.materials, start, scene, config);
   return config;
 }
 
@@ -497,6 +498,9 @@ RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const Par
   FitRecordingOptions fit;
   fit.rays = options.rays;
   fit.config = ResolveFitConfig(options, start, scene, recording.frame_count());
+  for (const std::string& sentence :
+       MaterialCaveats(options.materials, start, scene, recording.info().sonar.frequency_hz))
+    listener.Message(sentence);
   ChooseFramesOfFit(recording, scene, start, options, listener, fit.config);
   fit.comparison = options.comparison.For(recording.info().sonar.axes);
   fit.choose = options.choose;

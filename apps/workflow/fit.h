@@ -18,6 +18,7 @@
 #include "apps/workflow/comparison_options.h"
 #include "apps/workflow/frame_choice.h"
 #include "apps/workflow/listener.h"
+#include "apps/workflow/materials/material_options.h"
 #include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/still_poses.h"
 #include "calib/fit.h"
@@ -119,6 +120,7 @@ struct FitOptions {
   FrameList held_out = {};
   std::vector<std::string> free = {};
   std::vector<std::string> fixed = {};
+  MaterialOptions materials = {};
   std::vector<calib::ChoiceAxis> choose = {};
   FrameList frames = {};
   FrameLimits limits = {};
@@ -157,6 +159,7 @@ struct FitOptions {
                      .help = "Parameters to keep, although they are among the free ones",
                      .by_default = "none"},
           self.fixed);
+    MaterialOptions::Visit(self.materials, visit);
     visit(OptionInfo{.name = "choose",
                      .help =
                          "Acoustic model: model parts that are chosen before the fit, in this order, by the "

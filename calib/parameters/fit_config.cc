@@ -14,6 +14,8 @@
 #include "calib/parameters/pose_step.h"
 #include "core/text/nearest_word.h"
 #include "core/types/error.h"
+#include "core/types/parameter_table.h"
+#include "core/types/units.h"
 #include "data_io/json/json_reader.h"
 
 namespace sonarcal::calib {
@@ -320,6 +322,22 @@ std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitCo
   GivePriors(initial, free, catalog, config);
   ApplyFitConfig(config, catalog);  // now including the priors
   return free;
+}
+
+void AddMaterialPriors(const std::string& material, const NamedMaterial& known,
+                       const ParameterSet& parameters, double level_sigma_db, FitConfig& config) {
+  const GsabParameters<double> centre = CentreFor(known, parameters);
+  const std::map<std::string, std::optional<std::pair<double, double>>> given = config.priors;
+  for (const CatalogEntry& entry : BuildCatalog({material})) {
+    if (entry.group != ParameterGroup::kGsab ||
+        std::ranges::any_of(given, [&](const auto& prior) { return Matches(prior.first, entry); }))
+      continue;
+    const double value = ParameterMember<const double>(centre, entry.key);
+    const double spread = ParameterMember<const double>(known.spread, entry.key);
+    double sigma = entry.logarithmic ? std::log(spread) : spread;  // of the coordinate
+    if (IsAmplitude(entry)) sigma = std::hypot(sigma, std::log(PowerFromDb(level_sigma_db)));
+    config.priors[entry.name] = {value, sigma * entry.ValueSlope(value)};
+  }
 }
 
 ParameterValues StartValues(const FitConfig& config, const std::vector<CatalogEntry>& catalog,

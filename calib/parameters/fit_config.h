@@ -32,6 +32,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "calib/parameters/parameter_catalog.h"
+#include "core/materials/named_materials.h"
 
 namespace sonarcal::data_io {
 class JsonReader;
@@ -95,6 +96,15 @@ void GivePriors(const ParameterValues& initial, const std::vector<bool>& free,
 // Does both: returns which entries are free, and gives each a prior in the configuration and in the catalog.
 std::vector<bool> ApplyFitConfigWithPriors(const ParameterValues& initial, FitConfig& config,
                                            std::vector<CatalogEntry>& catalog);
+
+// Standard deviation of the sonar's level (source level and gain) before a fit, unless it is calibrated.
+inline constexpr double kUnknownLevelDb = 20.0;
+
+// Gives the parameters of a scene's material the prior of `known`, except those for which the configuration
+// has a prior by name, group or pattern. A, C and E are uncertain by the spread of `known` and by
+// `level_sigma_db` together. Throws DataError if the material is one of another image model.
+void AddMaterialPriors(const std::string& material, const NamedMaterial& known,
+                       const ParameterSet& parameters, double level_sigma_db, FitConfig& config);
 
 // Returns the initial values with those of config.start, within the bounds. Throws DataError for a name that
 // is not in the catalog.

@@ -138,9 +138,13 @@ struct ParameterTable<MaterialParameters> {
     visit(ParameterGroupInfo{.key = "gsab",
                              .meaning = "Backscatter curve A exp(-delta^2 / 2 B^2) + C cos(delta)^D + "
                                         "E exp(-delta^2 / 2 F^2) of the incidence angle delta",
-                             .required = true,
+                             .by_default = "for a fit, the centre of `prior`; otherwise refused",
                              .topic = ParameterTopic::kMaterials},
           self.gsab);
+    visit(ParameterInfo{.key = "prior",
+                        .meaning = "Material whose prior a fit takes, by its name in `sonarcal materials`",
+                        .by_default = "prior about the values given"},
+          self.prior);
   }
 };
 

@@ -29,6 +29,7 @@ struct GsabParameters {
 
 struct MaterialParameters {
   GsabParameters<double> gsab;
+  std::string prior = {};  // name of a material (core/materials/named_materials.h); empty: none
 
   bool operator==(const MaterialParameters&) const = default;
 };

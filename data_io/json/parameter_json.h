@@ -38,6 +38,10 @@ inline void ReadMember(const JsonReader& json, const ParameterInfo& info, std::v
   values = json.Numbers(RangeOf(info));
 }
 
+inline void ReadMember(const JsonReader& json, const ParameterInfo&, std::string& text) {
+  text = json.String();
+}
+
 template <HasWords E>
 void ReadMember(const JsonReader& json, const ParameterInfo&, E& value) {
   value = json.Word<E>();
@@ -48,13 +52,15 @@ void ReadMember(const JsonReader& json, const ParameterGroupInfo&, Group& group)
   ReadGroup(json, group);
 }
 
-// Whether a value is there. An empty list that could not be read back counts as absent.
+// Whether a value is there. An empty text counts as absent, and an empty list that could not be read back.
 template <typename Info, typename T>
 bool IsPresent(const Info& info, const T& value) {
   if constexpr (requires { value.has_value(); }) {
     return value.has_value();
   } else if constexpr (std::is_same_v<T, std::vector<double>>) {
     return static_cast<int>(value.size()) >= info.min_items;
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return !value.empty();
   } else {
     return true;
   }
@@ -88,7 +94,8 @@ nlohmann::ordered_json MemberJson(const T& value) {
   using Json = nlohmann::ordered_json;
   if constexpr (HasWords<T>) {
     return ToString(value);
-  } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::vector<double>>) {
+  } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string> ||
+                       std::is_same_v<T, std::vector<double>>) {
     return value;
   } else if constexpr (requires { value.has_value(); }) {
     return MemberJson(*value);

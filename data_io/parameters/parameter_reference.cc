@@ -73,6 +73,8 @@ template <typename T>
 std::string LimitsText(const ParameterInfo& info, const T&) {
   if constexpr (HasWords<T>) {
     return fmt::format("`{}`", JoinedWords<T>("`, `"));
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return "text";
   } else {
     std::string text = kIsList<T> ? "list, " : "";
     if (info.min_items > 0) text += fmt::format("{} or more, ", info.min_items);
@@ -152,6 +154,8 @@ Json Schema(const ParameterInfo& info, const T& value) {
     json["items"] = {{"type", "number"}};
     AddLimits(info, json["items"]);
     if (info.min_items > 0) json["minItems"] = info.min_items;
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    json["type"] = TypeOf("string", info.required);
   } else {
     json["type"] = TypeOf("number", info.required);
     AddLimits(info, json);
@@ -243,6 +247,10 @@ Json ParametersSchema() {
        {{"format", {{"const", kParametersFormat}, {"description", "Name and version of the format."}}}}}};
   const ParameterSet defaults;
   AddMembers(defaults, json);
+  // Only the start of a fit may lack it.
+  Json& material = json["properties"]["materials"]["additionalProperties"];
+  material["required"] = Json::array({"gsab"});
+  material["properties"]["gsab"]["type"] = "object";
   Json& beam = json["properties"]["beam"];
   beam["if"] = {{"properties", {{"azimuth_pattern", {{"const", ToString(AzimuthPattern::kTable)}}}}},
                 {"required", {"azimuth_pattern"}}};

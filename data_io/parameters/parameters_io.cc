@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/types/error.h"
 #include "core/types/parameter_table.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/json/json_reader.h"
@@ -35,30 +36,57 @@ void CheckBeam(const JsonReader& json, const BeamParameters& beam) {
   }
 }
 
-}  // namespace
+// Gives materials without a curve the centre of their prior. `known` null: each needs a curve.
+void CompleteMaterials(const JsonReader& json, const std::vector<NamedMaterial>* known,
+                       ParameterSet& parameters) {
+  for (const auto& [name, material] : json.Members()) {
+    MaterialParameters& of = parameters.materials.at(name);
+    const auto prior = material.Find("prior");
+    if (!prior || known == nullptr) {
+      if (prior && !material.Find("gsab"))
+        material.Fail("has a prior and no gsab; a prior is no value, expected the curve that a fit found");
+      material.At("gsab");
+      continue;
+    }
+    try {
+      const GsabParameters<double> centre = CentreFor(FindMaterial(of.prior, *known), parameters);
+      if (!material.Find("gsab")) of.gsab = centre;
+    } catch (const DataError& error) {
+      prior->Fail(fmt::format("cannot be used: {}", error.what()));
+    }
+  }
+}
 
-ParameterSet ParametersFrom(const JsonReader& json) {
+ParameterSet ParametersFrom(const JsonReader& json, const std::vector<NamedMaterial>* known) {
   json.CheckFormat(kParametersFormat);
   ParameterSet parameters;
   ReadGroup(json, parameters);
   if (const auto display = json.Find("display")) CheckDisplay(*display, parameters.display);
   if (const auto beam = json.Find("beam")) CheckBeam(*beam, parameters.beam);
   if (parameters.materials.empty()) json.At("materials").Fail("is empty, expected at least one material");
+  CompleteMaterials(json.At("materials"), known, parameters);
   return parameters;
 }
 
-namespace {
-
-ParameterSet Read(const JsonReader& json) {
-  ParameterSet parameters = ParametersFrom(json);
+ParameterSet Read(const JsonReader& json, const std::vector<NamedMaterial>* known = nullptr) {
+  ParameterSet parameters = ParametersFrom(json, known);
   json.Finish();
   return parameters;
 }
 
 }  // namespace
 
+ParameterSet ParametersFrom(const JsonReader& json) {
+  return ParametersFrom(json, nullptr);
+}
+
 ParameterSet ReadParameters(const std::filesystem::path& file) {
   return Read(JsonReader::FromFile(file));
+}
+
+ParameterSet ReadStartParameters(const std::filesystem::path& file,
+                                 const std::vector<NamedMaterial>& materials) {
+  return Read(JsonReader::FromFile(file), &materials);
 }
 
 ParameterSet ParseParameters(std::string_view text, const std::string& file) {

@@ -13,9 +13,11 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/materials/named_materials.h"
 #include "core/types/parameters.h"
 
 namespace sonarcal::data_io {
@@ -25,6 +27,11 @@ class JsonReader;
 inline constexpr std::string_view kParametersFormat = "sonar-parameters/1";
 
 ParameterSet ReadParameters(const std::filesystem::path& file);
+
+// Reads the start of a fit: a material may have a prior and no curve. It then starts at the centre of that
+// material of `materials`. Throws DataError for a prior that is none of them.
+ParameterSet ReadStartParameters(const std::filesystem::path& file,
+                                 const std::vector<NamedMaterial>& materials);
 
 // As ReadParameters; `file` is the name used in messages.
 ParameterSet ParseParameters(std::string_view text, const std::string& file);

@@ -71,7 +71,8 @@ CurveModel::CurveModel(const CurveModelOptions& options) : options_(options) {
     const int angle = static_cast<int>(place / options.pixels);
     const auto number = static_cast<int>(place % options.pixels);
     const double share = std::min(1.0, (angle + 0.5) / 20.0);
-    const bool measured = number < std::max<double>(options.least_pixels, share * options.pixels);
+    const bool measured = angle >= options.first_angle &&
+                          number < std::max<double>(options.least_pixels, share * options.pixels);
     const double mean = sim::GsabPower(options.truth, angle + 0.5) + options.noise;
     recorded_.push_back({angle, measured ? -mean * std::log(random.Uniform2(i).first) : 0.0});
   }

@@ -18,6 +18,7 @@ struct CurveModelOptions {
   int angles = 86;       // range bins: 0.5, 1.5, ... degrees
   int pixels = 32;       // beams: pixels at each angle from 20 degrees on
   int least_pixels = 2;  // at the smallest angle; the number grows linearly between the two
+  int first_angle = 0;   // smaller angles are not measured
   std::uint64_t seed = 1;
 };
 

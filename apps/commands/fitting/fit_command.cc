@@ -251,7 +251,7 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
   if (options.still) return RunFitStill(options);
   if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only or --still");
   if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
-  const ParameterSet initial = data_io::ReadParameters(options.params);
+  const ParameterSet initial = data_io::ReadStartParameters(options.params, options.fit.materials.Known());
   std::unique_ptr<RecordingSource> recording = workflow::OpenRecordingWith(options.real, options.sonar);
   if (!options.poses.empty()) {
     recording =

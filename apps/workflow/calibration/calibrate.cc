@@ -203,6 +203,10 @@ class Calibrator {
     }
     if (start.materials.empty()) start.materials["default"].gsab = kStartCurve;
     if (!plan_.fit.free) plan_.fit.free = std::vector<std::string>{"materials"};
+    AddMaterialPriors(options_.materials, start, scene_, plan_.fit);
+    for (const std::string& sentence :
+         MaterialCaveats(options_.materials, start, scene_, sonar_.frequency_hz))
+      listener_.Message(sentence);
     // A wrong width would turn and shift the objects, so a width that is not stated is fitted.
     for (const AssumedWidth& width : AssumeWidths(sonar_, start.beam)) {
       plan_.fit.free->emplace_back(width.name);

@@ -18,6 +18,7 @@
 #include "apps/workflow/fit.h"
 #include "apps/workflow/frame_choice.h"
 #include "apps/workflow/listener.h"
+#include "apps/workflow/materials/material_options.h"
 #include "core/types/frame_list.h"
 #include "core/types/option.h"
 
@@ -27,6 +28,7 @@ struct CalibrateOptions {
   std::string target = {};
   FrameList frames = {};
   FrameLimits limits = {};
+  MaterialOptions materials = {};
   RayOptions rays = {};
 
   template <typename Self, typename Visitor>
@@ -46,6 +48,7 @@ struct CalibrateOptions {
                                  "determine the parameters best"},
         self.frames);
     FrameLimits::Visit(self.limits, visit);
+    MaterialOptions::Visit(self.materials, visit);
     RayOptions::Visit(self.rays, visit);
   }
 };
