@@ -4,8 +4,9 @@
 
 man -l --warnings must have nothing to say of any page, each command of --help has its page with all options that
 its --help lists, and bash offers these options, the commands, and the words of options that take one of a few. The table of
-docs/reference/sonars.md is what `sonarcal sonars` lists. The tables and the schema of params.json in docs/reference are those
-that the program makes from its table of parameters. Examples of the pages write into folders that no clone has.
+docs/reference/sonars.md is what `sonarcal sonars` lists, materials.md what `sonarcal materials` lists. The tables
+and the schema of params.json in docs/reference are those that the program makes from its table of parameters. Examples of
+the pages write into folders that no clone has.
 """
 
 import functools
@@ -120,6 +121,16 @@ def check_sonars():
     assert rows == expected, f"docs/reference/sonars.md has {rows}, the program {expected}"
 
 
+def check_materials():
+    """docs/reference/materials.md has the list of the program."""
+    page = REFERENCE.joinpath("materials.md").read_text(encoding="utf-8")
+    rows = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in page.splitlines()
+            if re.match(r"\| `[^|]*\| (acoustic|paper) \|", line)]
+    listed = output_of(SONARCAL, "materials", "--list").partition("\n\n")[0].splitlines()[1:]
+    expected = [re.split(r"\s{2,}", line.strip()) for line in listed]
+    assert rows == expected, f"docs/reference/materials.md has {rows}, the program {expected}"
+
+
 def tables_of(text):
     """The first table below each heading."""
     tables = {}
@@ -152,6 +163,7 @@ def main():
     commands = re.findall(r"^  ([\w-]+) +[A-Z]", listed, re.MULTILINE)
     assert len(commands) > 10 and "documentation" not in commands, commands
     check_sonars()
+    check_materials()
     check_examples()
     with tempfile.TemporaryDirectory() as folder:
         output_of(SONARCAL, "documentation", "--out", folder)

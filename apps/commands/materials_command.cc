@@ -60,8 +60,9 @@ std::string TableText(const std::vector<NamedMaterial>& materials) {
     text += fmt::format(kRow, material.name, ToString(material.model), BandText(material), cells[0], cells[1],
                         cells[2], cells[3], cells[4], cells[5]);
   }
-  return text + "\nCentre and one standard deviation of the prior; x/ is a factor. No value of a surface.\n"
-                "'sonarcal materials NAME' shows source and comment.\n";
+  return text +
+         "\nCentre and one standard deviation of the prior; x/ is a factor. No value of a surface.\n"
+         "'sonarcal materials NAME' shows source and comment.\n";
 }
 
 std::string OneText(const NamedMaterial& material) {
@@ -77,11 +78,11 @@ std::string OneText(const NamedMaterial& material) {
         PriorText(info, centre, ParameterMember<const double>(material.spread, info.key)) +
             (level ? " dB" : ""));
   });
-  add("level", material.level_db ? fmt::format("A, C and E refer to {:g} dB of {}", *material.level_db,
-                                               material.model == EchoModel::kPaper
-                                                   ? "source level minus db_min"
-                                                   : "source level plus gain")
-                                 : "A, C and E are backscattering strength per unit area");
+  add("level", material.level_db
+                   ? fmt::format("A, C and E refer to {:g} dB of {}", *material.level_db,
+                                 material.model == EchoModel::kPaper ? "source level minus db_min"
+                                                                     : "source level plus gain")
+                   : "A, C and E are backscattering strength per unit area");
   add("source", material.source);
   if (!material.comment.empty()) add("comment", material.comment);
   if (material.origin) {

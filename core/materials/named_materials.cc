@@ -67,10 +67,20 @@ constexpr Entry kEntries[] = {
      "Sandy gravel of the report. ", kSedimentBasis},
     {"cobble", 2.5, 1.8, 12, -15, 1.5, -13, 25, kSedimentDb, kReport, kSediments,
      "At short range a cobble fills many pixels: then give it a mesh of its own. ", kSedimentBasis},
-    {"rock", 2.5, 2.3, 10, -27, 2, -20, 20, kObjectDb, {0.5e3, 100e3},
+    {"rock",
+     2.5,
+     2.3,
+     10,
+     -27,
+     2,
+     -20,
+     20,
+     kObjectDb,
+     {0.5e3, 100e3},
      "C and D: Lambert's law with -27 dB, Mackenzie, J. Acoust. Soc. Am. 33 (1961), 0.5 and 1 kHz; density "
      "and sound speed: usual textbook values",
-     "Rough rock may be 15 dB stronger at high frequency. ", kSedimentBasis},
+     "Rough rock may be 15 dB stronger at high frequency. ",
+     kSedimentBasis},
     {"concrete", 2.4, 2.5, 4, -27, 1.5, -22, 15, kObjectDb, kMeant, kTextbook, "", kObjectBasis},
     {"steel", 7.85, 3.95, 3, -30, 1.5, -22, 12, kObjectDb, kMeant, kTextbook,
      "A plate. Rust, growth and welds change C and E more than the metal does. ", kObjectBasis},
@@ -118,8 +128,9 @@ NamedMaterial PaperMaterial() {
           .frequency_min_hz = 900e3,
           .frequency_max_hz = 900e3,
           .source = "Park, Sensors 24 (2024) 7835, Table 4, one set for every surface",
-          .comment = "For the paper's model only: target strength of one ray, not of an area. The paper does "
-                     "not say where its values come from. Level and spreads are our judgement."};
+          .comment =
+              "For the paper's model only: target strength of one ray, not of an area. The paper does "
+              "not say where its values come from. Level and spreads are our judgement."};
 }
 
 std::vector<NamedMaterial> MakeBuiltIn() {
@@ -132,8 +143,8 @@ std::vector<NamedMaterial> MakeBuiltIn() {
 }  // namespace
 
 double ReferenceLevelDb(const ParameterSet& parameters) {
-  return parameters.source_level_db + (parameters.model == EchoModel::kPaper ? -parameters.display.db_min
-                                                                             : parameters.receiver.gain_db);
+  return parameters.source_level_db +
+         (parameters.model == EchoModel::kPaper ? -parameters.display.db_min : parameters.receiver.gain_db);
 }
 
 GsabParameters<double> CentreFor(const NamedMaterial& material, const ParameterSet& parameters) {

@@ -81,8 +81,9 @@ std::optional<NamedMaterial> MaterialOf(const std::string& name, const Parameter
   constexpr std::size_t kValues = 6;
   if (fixed.size() == kValues) return std::nullopt;
   if (!fixed.empty())
-    throw DataError("material '{}': {} was fixed and has no standard error, expected a fit of the whole curve",
-                    name, fmt::join(fixed, ", "));
+    throw DataError(
+        "material '{}': {} was fixed and has no standard error, expected a fit of the whole curve", name,
+        fmt::join(fixed, ", "));
   material.comment = "Spreads are standard errors.";
   if (!open.empty())
     material.comment += fmt::format(" Not determined by the recording, with the spread of the prior: {}.",
@@ -115,7 +116,8 @@ std::vector<NamedMaterial> FittedMaterials(const std::filesystem::path& fit_json
     material->frequency_max_hz = recording.sonar.frequency_hz;
     material->origin =
         MaterialOrigin{.recording = name, .synthetic = recording.synthetic, .program = program};
-    material->source = fmt::format("fit to the {}recording {}", recording.synthetic ? "synthetic " : "", name);
+    material->source =
+        fmt::format("fit to the {}recording {}", recording.synthetic ? "synthetic " : "", name);
     materials.push_back(std::move(*material));
   }
   if (materials.empty()) throw DataError("{}: no material was fitted", fit_json.string());

@@ -28,9 +28,10 @@ PriorNames PriorNamesOf(const MaterialOptions& options, const ParameterSet& para
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
       if (materials.size() != 1)
-        throw UsageError("--material is '{}', expected MATERIAL=NAME with one of {}, because the scene has {} "
-                         "materials",
-                         text, fmt::join(materials, ", "), materials.size());
+        throw UsageError(
+            "--material is '{}', expected MATERIAL=NAME with one of {}, because the scene has {} "
+            "materials",
+            text, fmt::join(materials, ", "), materials.size());
       names[materials.front()] = text;
       continue;
     }

@@ -112,14 +112,17 @@ TEST(MaterialPriors, APriorOfTheConfigurationCountsMore) {
   EXPECT_NEAR(DbFromPower(centre), -29.0, 1e-9);
   EXPECT_NEAR(sigma / centre, std::log(PowerFromDb(13.0)), 1e-9) << "a calibrated level adds nothing";
   AddMaterialPriors("floor", FindMaterial("rock", BuiltInMaterials()), Acoustic(), 0.0, config);
-  EXPECT_NEAR(DbFromPower(config.priors.at("material.floor.gsab.C")->first), -29.0, 1e-9) << "the first stays";
+  EXPECT_NEAR(DbFromPower(config.priors.at("material.floor.gsab.C")->first), -29.0, 1e-9)
+      << "the first stays";
 }
 
 TEST(MaterialPriors, ThePapersSetBelongsToThePapersModel) {
   EXPECT_EQ(FindMaterial("park-2024", BuiltInMaterials()).level_db, sim::kPaperBlackBelowSourceDb);
   FitConfig config;
   EXPECT_THAT(
-      [&] { AddMaterialPriors("floor", FindMaterial("park-2024", BuiltInMaterials()), Acoustic(), 20.0, config); },
+      [&] {
+        AddMaterialPriors("floor", FindMaterial("park-2024", BuiltInMaterials()), Acoustic(), 20.0, config);
+      },
       ::testing::ThrowsMessage<DataError>(::testing::HasSubstr("paper model")));
 }
 

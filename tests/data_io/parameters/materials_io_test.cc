@@ -38,7 +38,9 @@ TEST(MaterialsIo, AWrittenFileReadsBackAsTheSameMaterials) {
   WriteJson(dir / "m.json", MaterialsJson({published, TankFloor()}));
   EXPECT_EQ(ReadMaterials(dir / "m.json"), (std::vector<NamedMaterial>{published, TankFloor()}));
   EXPECT_EQ(KnownMaterials({dir / "m.json"}).size(), BuiltInMaterials().size() + 2);
-  EXPECT_THAT(MessageOf([&] { KnownMaterials({dir / "m.json", dir / "m.json"}); }),
+  EXPECT_THAT(MessageOf([&] {
+                KnownMaterials({dir / "m.json", dir / "m.json"});
+              }),
               HasSubstr("is also in another file"));
 }
 
