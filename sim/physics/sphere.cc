@@ -44,7 +44,9 @@ std::vector<double> BesselY(int last, double x) {
 }
 
 // First derivative of j_l or y_l. Needs l + 1 below the size.
-double Slope(const std::vector<double>& f, int l, double x) { return l / x * f[l] - f[l + 1]; }
+double Slope(const std::vector<double>& f, int l, double x) {
+  return l / x * f[l] - f[l + 1];
+}
 
 // Second derivative, from the differential equation.
 double Curvature(const std::vector<double>& f, int l, double x) {
@@ -152,11 +154,11 @@ double SphereTargetStrengthSigmaDb(const SphereInWater& sphere, double frequency
   };
   const SphereMaterial& solid = sphere.material;
   add([](SphereInWater& s) -> double& { return s.material.longitudinal_m_per_s; },
-      uncertainty.longitudinal_share * solid.longitudinal_m_per_s);
+      uncertainty.longitudinal_share* solid.longitudinal_m_per_s);
   add([](SphereInWater& s) -> double& { return s.material.transverse_m_per_s; },
-      uncertainty.transverse_share * solid.transverse_m_per_s);
+      uncertainty.transverse_share* solid.transverse_m_per_s);
   add([](SphereInWater& s) -> double& { return s.material.density_kg_per_m3; },
-      uncertainty.density_share * solid.density_kg_per_m3);
+      uncertainty.density_share* solid.density_kg_per_m3);
   add([](SphereInWater& s) -> double& { return s.sound_speed_m_per_s; }, uncertainty.sound_speed_m_per_s);
   return std::sqrt(variance);
 }

@@ -30,7 +30,7 @@ const std::vector<std::pair<std::string, SphereMaterial>>& NamedSphereMaterials(
 struct SphereInWater {
   SphereMaterial material;
   double radius_m = 0.0;
-  double sound_speed_m_per_s = 0.0;      // of the water
+  double sound_speed_m_per_s = 0.0;  // of the water
   double water_density_kg_per_m3 = 0.0;
 };
 

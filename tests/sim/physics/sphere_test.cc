@@ -14,8 +14,12 @@
 namespace sonarcal::sim {
 namespace {
 
-const SphereMaterial& Wc() { return NamedSphereMaterials()[0].second; }
-const SphereMaterial& Steel() { return NamedSphereMaterials()[1].second; }
+const SphereMaterial& Wc() {
+  return NamedSphereMaterials()[0].second;
+}
+const SphereMaterial& Steel() {
+  return NamedSphereMaterials()[1].second;
+}
 
 SphereInWater InFreshWater(const SphereMaterial& material, double diameter_mm) {
   return {material, 0.5e-3 * diameter_mm, 1465.94, 999.1};
@@ -29,8 +33,7 @@ TEST(Sphere, HasTheLevelsOfTheStandardSphereInSeaWater) {
     EXPECT_NEAR(SphereTargetStrengthDb(sphere, frequency_hz, 0.0), level_db, 0.01) << frequency_hz;
 }
 
-constexpr double kBands[][2] = {
-    {0.9e6, 29.5e3}, {1.2e6, 60e3}, {1.8e6, 100e3}, {2.1e6, 100e3}, {3e6, 150e3}};
+constexpr double kBands[][2] = {{0.9e6, 29.5e3}, {1.2e6, 60e3}, {1.8e6, 100e3}, {2.1e6, 100e3}, {3e6, 150e3}};
 
 // Mean over `count` frequencies of a band, both ends included.
 double SampledTargetStrengthDb(const SphereInWater& sphere, const double (&band)[2], int count) {
@@ -68,8 +71,8 @@ TEST(Sphere, AveragesOverTheWholeBand) {
   for (const SphereInWater& sphere : {InFreshWater(Wc(), 20.0), InFreshWater(Wc(), 25.4),
                                       InFreshWater(Wc(), 38.1), InFreshWater(Steel(), 25.4)}) {
     for (const auto& band : kBands) {
-      EXPECT_NEAR(SphereTargetStrengthDb(sphere, band[0], band[1]), SampledTargetStrengthDb(sphere, band, 20001),
-                  0.01)
+      EXPECT_NEAR(SphereTargetStrengthDb(sphere, band[0], band[1]),
+                  SampledTargetStrengthDb(sphere, band, 20001), 0.01)
           << sphere.radius_m << " m at " << band[0];
     }
   }
@@ -101,7 +104,8 @@ double SlowCrossSectionM2(const SphereInWater& sphere, double frequency_hz) {
     m.row(1) << density * q2 * q2 * h(q), (2.0 * ll - q2 * q2) * j(q1) - 4.0 * q1 * slope(j, q1),
         2.0 * ll * (q2 * slope(j, q2) - j(q2));
     incident(1) = -density * q2 * q2 * j(q);
-    m.row(2) << 0.0, 2.0 * (q1 * slope(j, q1) - j(q1)), (2.0 * ll - 2.0 - q2 * q2) * j(q2) - 2.0 * q2 * slope(j, q2);
+    m.row(2) << 0.0, 2.0 * (q1 * slope(j, q1) - j(q1)),
+        (2.0 * ll - 2.0 - q2 * q2) * j(q2) - 2.0 * q2 * slope(j, q2);
     incident(2) = 0.0;
     Complex scattered;
     if (l == 0) {  // no shear
