@@ -2,9 +2,9 @@
 // `sonarcal simulate --expected`, or with noise those of `sonarcal simulate --noise`. Figures equal those of
 // `sonarcal compare --as-displayed` of these images.
 //
-// A scene is built once. Rays are cast and shaded in one pass, which is faster than shading stored echoes. The
-// expected image of the paper's model has no such pass: its echoes are traced if pose, sonar or rays change,
-// and only shaded again if parameters change.
+// A scene is built once. Rays are cast and shaded in one pass, which is faster than shading stored echoes.
+// The expected image of the paper's model has no such pass: its echoes are traced if pose, sonar or rays
+// change, and only shaded again if parameters change.
 //
 // All functions are thread-safe.
 #pragma once

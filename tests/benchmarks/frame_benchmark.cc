@@ -148,8 +148,8 @@ std::vector<Pose> AllTankPoses() {
   return poses;
 }
 
-// Share of the pixels of an image with these rays that lie within a grey level of the dense image, on a display
-// of 60 dB up to the brightest echo of the poses: what `sonarcal rays --display-db 60` prints.
+// Share of the pixels of an image with these rays that lie within a grey level of the dense image, on a
+// display of 60 dB up to the brightest echo of the poses: what `sonarcal rays --display-db 60` prints.
 double ShareWithinOneGrey(const sim::Simulator& simulator, const std::vector<Pose>& poses) {
   workflow::RayErrorOptions options;
   options.samplings = {simulator.options().fan.sampling};

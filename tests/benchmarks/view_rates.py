@@ -18,7 +18,7 @@ import view_in_browser  # noqa: E402  pylint: disable=wrong-import-position
 SECONDS = 6
 LIMITS = {"a slider moves": 10, "the sonar moves": 5}
 
-# Moves a control on each picture that the browser draws, as a hand does, and counts the images shown meanwhile.
+# Moves a control on each picture that the browser draws, as a hand does. Counts the images shown meanwhile.
 COUNT = """
 const [control, seconds, done] = arguments;
 const from = Number(control.value), step = (control.max - control.min) / 400;
