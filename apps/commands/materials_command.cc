@@ -61,7 +61,8 @@ std::string TableText(const std::vector<NamedMaterial>& materials) {
                         cells[2], cells[3], cells[4], cells[5]);
   }
   return text +
-         "\nCentre and one standard deviation of the prior; x/ is a factor. No value of a surface.\n"
+         "\nCentre and one standard deviation of the prior; x/ is a factor. A prior is not the value of a "
+         "surface.\n"
          "'sonarcal materials NAME' shows source and comment.\n";
 }
 

@@ -90,8 +90,13 @@ constexpr Entry kEntries[] = {
      "Seen from below, with small waves. The slope follows the wind, and bubbles raise C. ", kObjectBasis},
 };
 
+GsabParameters<double> WideSpread(double amplitude_spread_db) {
+  const double factor = PowerFromDb(amplitude_spread_db);
+  return {
+      .a = factor, .b_deg = std::numbers::e, .c = factor, .d = 1.0, .e = factor, .f_deg = std::numbers::e};
+}
+
 NamedMaterial MaterialOf(const Entry& entry) {
-  const double amplitude_spread = PowerFromDb(entry.amplitude_spread_db);
   return {.name = entry.name,
           .centre = {.a = SpecularAmplitude(entry.density_ratio * entry.sound_speed_ratio, entry.b_deg),
                      .b_deg = entry.b_deg,
@@ -99,12 +104,7 @@ NamedMaterial MaterialOf(const Entry& entry) {
                      .d = entry.d,
                      .e = PowerFromDb(entry.e_db),
                      .f_deg = entry.f_deg},
-          .spread = {.a = amplitude_spread,
-                     .b_deg = std::numbers::e,
-                     .c = amplitude_spread,
-                     .d = 1.0,
-                     .e = amplitude_spread,
-                     .f_deg = std::numbers::e},
+          .spread = WideSpread(entry.amplitude_spread_db),
           .frequency_min_hz = entry.band.min_hz,
           .frequency_max_hz = entry.band.max_hz,
           .source = entry.source,
@@ -114,16 +114,10 @@ NamedMaterial MaterialOf(const Entry& entry) {
 // Table 4 of the paper. Its amplitudes hold for black 50 dB below the source level, as the paper's scenes are
 // drawn (sim/paper/paper_values.h); the paper does not state this level.
 NamedMaterial PaperMaterial() {
-  const double amplitude_spread = PowerFromDb(10.0);
   return {.name = "park-2024",
           .model = EchoModel::kPaper,
           .centre = {},
-          .spread = {.a = amplitude_spread,
-                     .b_deg = std::numbers::e,
-                     .c = amplitude_spread,
-                     .d = 1.0,
-                     .e = amplitude_spread,
-                     .f_deg = std::numbers::e},
+          .spread = WideSpread(10.0),
           .level_db = 50.0,
           .frequency_min_hz = 900e3,
           .frequency_max_hz = 900e3,

@@ -55,13 +55,8 @@ struct Patch {
   GhostLeg leg;
 };
 
-// Single precision is exact to a few rounding errors at every angle, because sine and cosine are given.
-float AngleRad(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
-  return std::atan2(static_cast<float>(direction.cross(normal).norm()),
-                    static_cast<float>(std::abs(direction.dot(normal))));
-}
-
-// Angles between directions and normals, computed together.
+// Angles between directions and normals, computed together. Single precision is exact to a few rounding
+// errors at every angle, because sine and cosine are given.
 class AngleBatch {
  public:
   void Add(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
@@ -297,6 +292,7 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
   const MirrorSurface::Plane& plane = tracing.mirrors.planes()[plane_idx];
   const Eigen::Vector3d image_m = plane.ImageOf(tracing.sonar_m);
   std::vector<Candidate> candidates;
+  AngleBatch incidence;
   FreeRays to_mirror;
   for (const Patch& patch : patches) {
     if (tracing.mirrors.PlaneOf(patch.mirror_triangle) >= plane_idx) continue;
@@ -308,14 +304,15 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
     if (!(back.dot(patch.normal) > 0.0) || !(share > 0.0 && share < 1.0)) continue;
     const Eigen::Vector3d mirror_m = start_m + share * to_image_m;
     const Eigen::Vector3d from_sonar = (mirror_m - tracing.sonar_m).normalized();
-    GhostLeg leg = LegBack(tracing, length_m, from_sonar);
-    leg.incidence_rad = AngleRad(back, patch.normal);
+    const GhostLeg leg = LegBack(tracing, length_m, from_sonar);
     if (!IsWanted(tracing, leg, patch.leg)) continue;
+    incidence.Add(back, patch.normal);
     candidates.push_back({&patch, leg, back, mirror_m, share * length_m});
     to_mirror.Add(start_m, back, share * length_m + 10.0 * tracing.clearance_m);
   }
   // The first intersection must be on the mirror, and the rest of the path must be free.
   const FanHits hits = tracing.caster.FirstIntersections(to_mirror);
+  const std::vector<float> incidence_rad = incidence.AnglesRad();
   std::vector<std::size_t> met;
   FreeRays to_sonar;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -323,21 +320,26 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
     const Candidate& candidate = candidates[i];
     const Eigen::Vector3d rest_m = tracing.sonar_m - candidate.mirror_m;
     const double aside_m = std::copysign(tracing.clearance_m, plane.normal.dot(rest_m));
+    candidates[i].leg.incidence_rad = incidence_rad[i];
     candidates[i].leg.mirror[0] = tracing.caster.TriangleMaterial(hits.triangle[i]);
     met.push_back(i);
     to_sonar.Add(candidate.mirror_m + aside_m * plane.normal, rest_m.normalized(),
                  rest_m.norm() - 2.0 * tracing.clearance_m);
   }
   const std::vector<char> occluded = tracing.caster.IsOccluded(to_sonar);
+  const std::size_t first = echoes.size();
+  AngleBatch tilt;
   for (std::size_t ray = 0; ray < met.size(); ++ray) {
     if (occluded[ray] != 0) continue;
     const Candidate& candidate = candidates[met[ray]];
     GhostEcho echo = EchoOf(tracing, *candidate.patch);
     echo.both_ways = true;
     echo.other = candidate.leg;
-    echo.tilt_rad = AngleRad((candidate.patch->back + candidate.back).normalized(), candidate.patch->normal);
+    tilt.Add(candidate.patch->back + candidate.back, candidate.patch->normal);
     echoes.push_back(echo);
   }
+  const std::vector<float> tilt_rad = tilt.AnglesRad();
+  for (std::size_t i = 0; i < tilt_rad.size(); ++i) echoes[first + i].tilt_rad = tilt_rad[i];
 }
 
 std::vector<GhostEcho> EchoesOfRow(const Tracing& tracing, const FanHits& hits, int row) {

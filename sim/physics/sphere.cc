@@ -145,21 +145,20 @@ double SphereTargetStrengthSigmaDb(const SphereInWater& sphere, double frequency
                                    const SphereUncertainty& uncertainty) {
   const double level_db = SphereTargetStrengthDb(sphere, frequency_hz, bandwidth_hz);
   double variance = 0.0;
-  const auto add = [&](auto&& value_of, double sigma) {
+  const auto add = [&](auto&& value_of, double share) {
     for (const double sign : {-1.0, 1.0}) {
       SphereInWater moved = sphere;
-      value_of(moved) += sign * sigma;
+      value_of(moved) *= 1.0 + sign * share;
       variance += 0.5 * std::pow(SphereTargetStrengthDb(moved, frequency_hz, bandwidth_hz) - level_db, 2);
     }
   };
-  const SphereMaterial& solid = sphere.material;
   add([](SphereInWater& s) -> double& { return s.material.longitudinal_m_per_s; },
-      uncertainty.longitudinal_share* solid.longitudinal_m_per_s);
+      uncertainty.longitudinal_share);
   add([](SphereInWater& s) -> double& { return s.material.transverse_m_per_s; },
-      uncertainty.transverse_share* solid.transverse_m_per_s);
-  add([](SphereInWater& s) -> double& { return s.material.density_kg_per_m3; },
-      uncertainty.density_share* solid.density_kg_per_m3);
-  add([](SphereInWater& s) -> double& { return s.sound_speed_m_per_s; }, uncertainty.sound_speed_m_per_s);
+      uncertainty.transverse_share);
+  add([](SphereInWater& s) -> double& { return s.material.density_kg_per_m3; }, uncertainty.density_share);
+  add([](SphereInWater& s) -> double& { return s.sound_speed_m_per_s; },
+      uncertainty.sound_speed_m_per_s / sphere.sound_speed_m_per_s);
   return std::sqrt(variance);
 }
 

@@ -23,8 +23,7 @@ struct SphereMaterial {
   double density_kg_per_m3 = 0.0;
 };
 
-// Names as in --material, with their values: "wc", tungsten carbide with cobalt (MacLennan and Dunn 1984);
-// "steel-440c", stainless steel.
+// "wc": tungsten carbide with cobalt (MacLennan and Dunn 1984); "steel-440c": stainless steel.
 const std::vector<std::pair<std::string, SphereMaterial>>& NamedSphereMaterials();
 
 struct SphereInWater {
