@@ -51,6 +51,10 @@ class AcousticFrameModel final : public FrameModel {
   AcousticFrameModel(const sim::Simulator& simulator, const std::vector<AcousticFrame>& frames,
                      const ParameterSet& initial, const std::vector<std::string>& objects = {},
                      const std::vector<std::string>& outlines = {});
+  // Refused: the frames would be gone.
+  AcousticFrameModel(const sim::Simulator& simulator, std::vector<AcousticFrame>&& frames,
+                     const ParameterSet& initial, const std::vector<std::string>& objects = {},
+                     const std::vector<std::string>& outlines = {}) = delete;
   // Model of the same frames and parameters by the rays of another simulator of the same scene and sonar,
   // traced about `values` as Linearise does.
   AcousticFrameModel(const AcousticFrameModel& other, const sim::Simulator& simulator,

@@ -42,6 +42,9 @@ class PaperFrameModel : public FrameModel {
   // or if a material of the scene has no parameters.
   PaperFrameModel(const std::vector<FitFrame>& frames, const sim::ImageGeometry& geometry,
                   const std::vector<std::string>& material_names, const ParameterSet& initial);
+  // Refused: the frames would be gone.
+  PaperFrameModel(std::vector<FitFrame>&& frames, const sim::ImageGeometry& geometry,
+                  const std::vector<std::string>& material_names, const ParameterSet& initial) = delete;
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }

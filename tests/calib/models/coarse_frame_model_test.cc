@@ -107,7 +107,8 @@ TEST_F(CoarseFrameModelTest, AboutAPointItIsThatOfAModelTracedThere) {
 // Costs differ by a constant, slopes do not differ. A quadratic form in the power of the nodes agrees nearby.
 TEST_F(CoarseFrameModelTest, AModelOfOneCurveDiffersByAConstant) {
   const ParameterSet truth = testing::SmallTankAcousticTruth();
-  const AcousticFrameModel fine(simulator_, Frames(truth), truth);
+  const std::vector<AcousticFrame> frames = Frames(truth);
+  const AcousticFrameModel fine(simulator_, frames, truth);
   const CoarseFrameModel coarse(fine, fine.sonar_at_point(), fine.echoes(), {.bins = 2, .beams = 4});
   const ParameterValues at = fine.initial_values();
   const int first = FindEntry(fine.catalog(), "material.floor.gsab.A");
