@@ -15,6 +15,7 @@
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/echo_power_model.h"
 #include "sim/physics/line_array.h"
+#include "sim/physics/propagation.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal::sim {
@@ -32,7 +33,8 @@ enum Stream : std::uint32_t {
   kSpots = 0x2000,
   kElementNoise = 0x3000,
   kGhostSpots = 0x5000,
-  kGhostAmplitudes = 0x6000
+  kGhostAmplitudes = 0x6000,
+  kTargetPhases = 0x7000
 };
 
 struct Scatterer {
@@ -132,6 +134,25 @@ std::vector<Scatterer> DrawGhosts(const CoherentGeometry& geometry, const Pose& 
     };
     add(echo.other, echo.leg);
     if (echo.both_ways) add(echo.leg, echo.other);
+  }
+  return all;
+}
+
+std::vector<Scatterer> PointTargetEchoes(const CoherentGeometry& geometry, const Pose& world_from_sonar,
+                                         const ParameterSet& parameters, std::uint64_t seed, int look) {
+  const CounterRandom phases(seed, kTargetPhases + static_cast<std::uint32_t>(look));
+  const ElevationResponse elevation = ElevationResponseOf(geometry.sonar, parameters.beam);
+  std::vector<Scatterer> all;
+  for (std::size_t i = 0; i < geometry.point_targets.size(); ++i) {
+    const PointTarget& target = geometry.point_targets[i];
+    const Eigen::Vector3d at = world_from_sonar.Inverse() * target.position_m;
+    const double range_m = at.norm();
+    const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
+                            2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);
+    const double power =
+        PowerFromDb(level_db) * target.cross_section_m2 * elevation.Power(std::asin(at.z() / range_m));
+    all.push_back({range_m, at.x() / std::hypot(at.x(), at.y()),
+                   std::polar(std::sqrt(power), kTwoPi * phases.Uniform2(i).first)});
   }
   return all;
 }
@@ -296,6 +317,9 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
     const std::vector<Scatterer> ghosts =
         DrawGhosts(geometry, world_from_sonar, parameters, seeds.scatterers, look);
     scatterers.insert(scatterers.end(), ghosts.begin(), ghosts.end());
+    const std::vector<Scatterer> targets =
+        PointTargetEchoes(geometry, world_from_sonar, parameters, seeds.scatterers, look);
+    scatterers.insert(scatterers.end(), targets.begin(), targets.end());
     const Grid<Complex> fields = ElementFields(scatterers, axes, pulse_m, array);
     const ElementNoise noise(axes, pulse_m, lens ? axes.beam_count() : beamformer.elements(),
                              CounterRandom(seeds.receiver, kElementNoise + static_cast<std::uint32_t>(look)));

@@ -27,9 +27,18 @@
 // one scatterer. They have the same range and phase and reach the array from two directions; the array
 // determines how they add. Echoes of different length have independent random phases.
 //
+// Point targets, such as a sphere used as a standard target, have a fixed amplitude and a random phase per look:
+//
+//   10^((SL + G - 40 log10 R - 2 alpha R) / 10) sigma el(phi),   sigma the backscattering cross section
+//
+// Nothing hides them, and they hide nothing.
+//
 // The length of the array gives the beam at broadside its half-power width. Its elements are at most half a
 // wavelength apart. The parameter azimuth_pattern is not used.
 #pragma once
+
+#include <Eigen/Core>
+#include <vector>
 
 #include "core/types/parameters.h"
 #include "sim/acoustic/acoustic_image.h"
@@ -37,6 +46,11 @@
 #include "sim/rays/ray_caster.h"
 
 namespace sonarcal::sim {
+
+struct PointTarget {
+  Eigen::Vector3d position_m;  // in the world
+  double cross_section_m2 = 0.0;
+};
 
 struct CoherentGeometry {
   const RayCaster& caster;
@@ -47,6 +61,7 @@ struct CoherentGeometry {
   const MirrorSurface* mirrors = nullptr;
   const RayFan* ghost_fan = nullptr;
   int ghost_order = 1;
+  std::vector<PointTarget> point_targets = {};
 };
 
 // Received power of one speckled sample: the mean over `looks` (as weights, see LooksAsWeights). range_bins x

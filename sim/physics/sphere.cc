@@ -67,6 +67,28 @@ void Check(const SphereInWater& sphere) {
   CheckPositive(sphere.material.density_kg_per_m3, "density", " kg/m3");
 }
 
+// Standard error of `level_db`, a function of the sphere, in dB.
+template <typename LevelDb>
+double SigmaDb(const SphereInWater& sphere, const SphereUncertainty& uncertainty, const LevelDb& level_db) {
+  const double at_db = level_db(sphere);
+  double variance = 0.0;
+  const auto add = [&](auto&& value_of, double share) {
+    for (const double sign : {-1.0, 1.0}) {
+      SphereInWater moved = sphere;
+      value_of(moved) *= 1.0 + sign * share;
+      variance += 0.5 * std::pow(level_db(moved) - at_db, 2);
+    }
+  };
+  add([](SphereInWater& s) -> double& { return s.material.longitudinal_m_per_s; },
+      uncertainty.longitudinal_share);
+  add([](SphereInWater& s) -> double& { return s.material.transverse_m_per_s; },
+      uncertainty.transverse_share);
+  add([](SphereInWater& s) -> double& { return s.material.density_kg_per_m3; }, uncertainty.density_share);
+  add([](SphereInWater& s) -> double& { return s.sound_speed_m_per_s; },
+      uncertainty.sound_speed_m_per_s / sphere.sound_speed_m_per_s);
+  return std::sqrt(variance);
+}
+
 }  // namespace
 
 const std::vector<std::pair<std::string, SphereMaterial>>& NamedSphereMaterials() {
@@ -143,23 +165,13 @@ double FirstInternalEchoM(const SphereInWater& sphere) {
 
 double SphereTargetStrengthSigmaDb(const SphereInWater& sphere, double frequency_hz, double bandwidth_hz,
                                    const SphereUncertainty& uncertainty) {
-  const double level_db = SphereTargetStrengthDb(sphere, frequency_hz, bandwidth_hz);
-  double variance = 0.0;
-  const auto add = [&](auto&& value_of, double share) {
-    for (const double sign : {-1.0, 1.0}) {
-      SphereInWater moved = sphere;
-      value_of(moved) *= 1.0 + sign * share;
-      variance += 0.5 * std::pow(SphereTargetStrengthDb(moved, frequency_hz, bandwidth_hz) - level_db, 2);
-    }
-  };
-  add([](SphereInWater& s) -> double& { return s.material.longitudinal_m_per_s; },
-      uncertainty.longitudinal_share);
-  add([](SphereInWater& s) -> double& { return s.material.transverse_m_per_s; },
-      uncertainty.transverse_share);
-  add([](SphereInWater& s) -> double& { return s.material.density_kg_per_m3; }, uncertainty.density_share);
-  add([](SphereInWater& s) -> double& { return s.sound_speed_m_per_s; },
-      uncertainty.sound_speed_m_per_s / sphere.sound_speed_m_per_s);
-  return std::sqrt(variance);
+  return SigmaDb(sphere, uncertainty, [&](const SphereInWater& moved) {
+    return SphereTargetStrengthDb(moved, frequency_hz, bandwidth_hz);
+  });
+}
+
+double SphereFrontFaceSigmaDb(const SphereInWater& sphere, const SphereUncertainty& uncertainty) {
+  return SigmaDb(sphere, uncertainty, SphereFrontFaceDb);
 }
 
 }  // namespace sonarcal::sim
