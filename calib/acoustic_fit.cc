@@ -451,6 +451,15 @@ class AcousticFitter {
       report.parameters[i].lower = catalog_[i].lower;
       report.parameters[i].upper = catalog_[i].upper;
     }
+    const auto is_free = [&](const char* name) {
+      const FittedParameter* parameter = report.Find(name);
+      return parameter != nullptr && parameter->status != ParameterStatus::kFixed;
+    };
+    report.curves_level =
+        CurvesLevel{.level_db = result.parameters.source_level_db + result.parameters.receiver.gain_db,
+                    .sigma_db = is_free("source_level_db") || is_free("receiver.gain_db")
+                                    ? std::nullopt
+                                    : result.parameters.source_level_sigma_db};
     // Placements that are not free are data, not parameters.
     std::erase_if(report.parameters, [](const FittedParameter& parameter) {
       const bool placement = parameter.name.starts_with("pose.") || parameter.name.starts_with("geometry.") ||

@@ -30,6 +30,22 @@ bool HasTruth(const FitReport& report) {
                      [](const FittedParameter& p) { return p.truth.has_value(); });
 }
 
+std::string CurvesLevelText(const FitReport& report) {
+  if (!report.curves_level) return {};
+  const auto& [level_db, sigma_db] = *report.curves_level;
+  if (sigma_db) {
+    return fmt::format(
+        "Backscattering strength S_b per unit area, absolute: a standard target gave source level plus gain "
+        "as "
+        "{:.2f} +- {:.2f} dB, an error that the bands do not contain",
+        level_db, *sigma_db);
+  }
+  return fmt::format(
+      "Backscatter relative to source level plus gain, taken as {:.2f} dB: no standard target has measured "
+      "it",
+      level_db);
+}
+
 std::string FitReportJson(const FitReport& report, const std::string& extra_members) {
   Json json;
   json["format"] = "sonar-fit/1";
@@ -76,6 +92,11 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
                               {"backscatter_db", curve.backscatter_db},
                               {"sigma_db", std::move(sigma_db)}});
     if (!curve.truth_db.empty()) json["curves"].back()["truth_db"] = curve.truth_db;
+  }
+  if (report.curves_level) {
+    json["curves_level"] = {
+        {"level_db", report.curves_level->level_db},
+        {"sigma_db", report.curves_level->sigma_db ? Json(*report.curves_level->sigma_db) : Json(nullptr)}};
   }
   if (report.down_weighted_share) json["down_weighted_share"] = *report.down_weighted_share;
   json["start_costs"] = report.start_costs;

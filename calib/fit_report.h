@@ -45,6 +45,14 @@ struct ResidualSummary {
   double spread = 0.0;  // standard deviation
 };
 
+// Level that backscatter curves refer to: source level plus gain.
+struct CurvesLevel {
+  double level_db = 0.0;
+  // Its standard error, from a standard target. The curves are then backscattering strength S_b, absolute up
+  // to this error. Absent: they hold relative to the level, whose value was given.
+  std::optional<double> sigma_db = {};
+};
+
 struct FitReport {
   // Reasons to doubt the fit: one full sentence each, without a full stop. Shown before any figure.
   std::vector<std::string> warnings;
@@ -57,6 +65,7 @@ struct FitReport {
   std::vector<std::string> correlation_names;  // free parameters
   Eigen::MatrixXd correlation;
   std::vector<FittedCurve> curves;
+  std::optional<CurvesLevel> curves_level;    // acoustic model only
   std::optional<ResidualSummary> raw;         // grey levels, full scale 1; absent for a likelihood
   ResidualSummary whitened;                   // has a standard deviation of 1 if the model is right
   std::optional<double> down_weighted_share;  // share of the pixels with a weight below 0.5
@@ -74,6 +83,10 @@ struct FitReport {
 
   const FittedParameter* Find(const std::string& name) const;
 };
+
+// Returns what the curves are, and the level that they refer to, as a sentence without a full stop. Empty if
+// the report has no level.
+std::string CurvesLevelText(const FitReport& report);
 
 // Returns true if the true value of any parameter is known.
 bool HasTruth(const FitReport& report);

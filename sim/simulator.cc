@@ -131,7 +131,8 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
                             .fan = fan_,
                             .sonar = sonar_,
                             .absorption_db_per_m = absorption_db_per_m_,
-                            .ghost_order = options_.ghost_order};
+                            .ghost_order = options_.ghost_order,
+                            .point_targets = options_.point_targets};
   const std::shared_ptr<const Mirrors> mirrors = MirrorsOf(parameters);
   if (mirrors) {
     geometry.mirrors = &mirrors->surface;

@@ -40,6 +40,7 @@ struct SimulationOptions {
   // while nothing moves. Receiver noise is new in each frame.
   bool frozen_speckle = false;
   int ghost_order = 1;  // max number of reflections on a multipath, 1 or 2; has no effect without a mirror
+  std::vector<PointTarget> point_targets = {};  // coherent only
 
   void Check() const;
   double full_scale() const { return static_cast<double>((1 << bits) - 1); }

@@ -51,6 +51,7 @@ FOLDERS = [
     "calib/poses",
     "calib",
     "calib/noise",
+    "calib/standard_target",
     "calib/selection",
     "calib/markers",
     "apps/workflow/materials",

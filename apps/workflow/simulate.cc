@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "apps/workflow/rays/ray_options.h"
 #include "core/types/error.h"
+#include "core/types/units.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/recordings/recalibrated_recording.h"
@@ -202,6 +205,27 @@ void CheckFrozenSpeckle(const SimulateOptions& options, EchoModel model) {
     throw UsageError("--frozen-speckle needs --noise: without it there is no speckle");
 }
 
+// Throws UsageError if the text is not "X:Y:Z:TS".
+sim::PointTarget PointTargetOf(const std::string& text) {
+  std::vector<double> values;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find(':', begin), text.size());
+    double value = 0.0;
+    const char* last = text.data() + end;
+    const auto [stop, error] = std::from_chars(text.data() + begin, last, value);
+    if (error != std::errc() || stop != last || !std::isfinite(value) || std::abs(value) > 1e4) {
+      values.clear();
+      break;
+    }
+    values.push_back(value);
+    begin = end + 1;
+  }
+  if (values.size() != 4)
+    throw UsageError("--point-target is '{}', expected X:Y:Z:TS with a place in m and a level in dB", text);
+  return {.position_m = {values[0], values[1], values[2]}, .cross_section_m2 = PowerFromDb(values[3])};
+}
+
 // Throws UsageError for options that change nothing with these parameters.
 void RefuseWithoutEffect(const SimulateOptions& options, const ParameterSet& parameters) {
   const EchoModel model = parameters.model;
@@ -218,6 +242,8 @@ void RefuseWithoutEffect(const SimulateOptions& options, const ParameterSet& par
         "--ghost-order {} has no effect: {}", options.ghost_order,
         model == EchoModel::kPaper ? "the paper's model has no ghosts" : "the parameters name no mirror");
   }
+  if (!options.point_target.empty() && (model != EchoModel::kCoherent || options.expected))
+    throw UsageError("--point-target has no effect: only samples of the coherent model have point targets");
   if (options.rays.normals == sim::NormalSource::kDepth && model == EchoModel::kCoherent)
     throw UsageError("--normals depth has no effect: the coherent model takes those of the mesh");
 }
@@ -246,6 +272,8 @@ PreparedSimulation PrepareSimulation(const SimulateOptions& options, const Sonar
   simulation.ghost_order = options.ghost_order;
   if (options.margin_deg) simulation.fan.azimuth_margin_deg = *options.margin_deg;
   if (options.seed) simulation.seed = *options.seed;
+  for (const std::string& target : options.point_target)
+    simulation.point_targets.push_back(PointTargetOf(target));
   return {.parameters = std::move(parameters), .simulation = simulation, .water_note = water.note};
 }
 

@@ -122,6 +122,7 @@ struct SimulateOptions {
   int ghost_order = 1;  // 1 or 2
   std::optional<double> margin_deg = {};
   std::optional<std::uint64_t> seed = {};
+  std::vector<std::string> point_target = {};  // "X:Y:Z:TS": place in the world in m, target strength in dB
 
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
@@ -148,6 +149,13 @@ struct SimulateOptions {
                      .help = "Seed of the noise; frame i uses seed + i",
                      .by_default = std::to_string(sim::SimulationOptions().seed)},
           self.seed);
+    visit(
+        OptionInfo{.name = "point_target",
+                   .help = "Adds a target of fixed strength, such as a calibration sphere: its place in the "
+                           "world in m and its target strength in dB re 1 m^2 (coherent)",
+                   .by_default = "none",
+                   .type = "X:Y:Z:TS"},
+        self.point_target);
   }
 };
 

@@ -34,8 +34,8 @@ std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting
   for (const double bin_m : window.bin_range_m) {
     const double gain_db =
         sim::TimeVariedGainDb(setting.time_varied_gain, bin_m, setting.absorption_db_per_m);
-    const double of_bin = PowerFromDb(level_db + gain_db) *
-                          sim::GaussianResponse(bin_m - range_m, std::exp(echo.log_pulse));
+    const double of_bin =
+        PowerFromDb(level_db + gain_db) * sim::GaussianResponse(bin_m - range_m, std::exp(echo.log_pulse));
     for (const double response : of_beam) power.push_back(of_bin * response);
   }
   return power;

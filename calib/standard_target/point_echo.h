@@ -5,8 +5,8 @@
 //
 // with L the level of the target at 1 m (source level, gain and target strength together), s_b the
 // sensitivity of the beam, and the responses of sim/physics/beam_pattern.h. Values of one frame: range R,
-// azimuth theta, noise n, and d, by which its level differs from that of all frames. X is what the recording's
-// gain with range lacks.
+// azimuth theta, noise n, and d, by which its level differs from that of all frames. X is what the
+// recording's gain with range lacks.
 #pragma once
 
 #include <vector>
@@ -46,7 +46,7 @@ static_assert(sizeof(PointEcho) == PointEcho::kSize * sizeof(double));
 struct FrameEcho {
   double range_m = 0.0;
   double azimuth_rad = 0.0;
-  double log_noise = 0.0;       // of power
+  double log_noise = 0.0;        // of power
   double level_offset_db = 0.0;  // d
 
   static constexpr int kSize = 4;
@@ -55,7 +55,7 @@ struct FrameEcho {
 };
 static_assert(sizeof(FrameEcho) == FrameEcho::kSize * sizeof(double));
 
-// What a fit does not change.
+// Values that a fit does not change.
 struct PointEchoSetting {
   double absorption_db_per_m = 0.0;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;

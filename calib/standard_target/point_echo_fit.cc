@@ -26,18 +26,17 @@ std::vector<int> GroupsOf(const PointEchoData& data, const EchoWindow& window) {
   return groups;
 }
 
-// Residuals of a window's pixels, and of the frame's level against the spread of levels. Parameters: FrameEcho,
-// PointEcho, and one sensitivity for each of GroupsOf.
+// Residuals of a window's pixels, and of the frame's level against the spread of levels. Parameters:
+// FrameEcho, PointEcho, and one sensitivity for each of GroupsOf.
 class WindowResiduals {
  public:
   WindowResiduals(const PointEchoData& data, const EchoWindow& window, const PointEchoSolution& at,
                   std::size_t index)
       : data_(data), window_(window), groups_(GroupsOf(data, window)), spread_db_(at.level_spread_db) {
     const FrameEcho& frame = at.frames[index];
-    const std::vector<double> variance =
-        VarianceOf(window,
-                   EchoPowerOf(window, data.setting, at.echo, frame, SensitivityOf(data, at.group_db, window)),
-                   std::exp(frame.log_noise));
+    const std::vector<double> variance = VarianceOf(
+        window, EchoPowerOf(window, data.setting, at.echo, frame, SensitivityOf(data, at.group_db, window)),
+        std::exp(frame.log_noise));
     for (const double value : variance) weight_.push_back(1.0 / std::sqrt(at.inflation * value));
   }
 
@@ -121,8 +120,7 @@ double ShortestLogPulse(const EchoWindow& window) {
 }
 
 // Moves `state` to the optimum for the weights at `state`.
-ceres::Solver::Summary Solve(const PointEchoData& data, const PointEchoFree& free,
-                             PointEchoSolution& state) {
+ceres::Solver::Summary Solve(const PointEchoData& data, const PointEchoFree& free, PointEchoSolution& state) {
   ceres::Problem problem;
   ceres::Solver::Options options;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -190,13 +188,15 @@ WindowSlopes SlopesOf(const PointEchoData& data, PointEchoSolution& state, std::
   return result;
 }
 
-// Information of the shared values, with those of each frame eliminated, and the scatter of the frames' scores.
+// Information of the shared values, with those of each frame eliminated, and the scatter of the frames'
+// scores.
 struct SharedInformation {
   explicit SharedInformation(Eigen::Index size)
       : information(Eigen::MatrixXd::Zero(size, size)), scatter(Eigen::MatrixXd::Zero(size, size)) {}
 
   // Returns the inverse information of the frame's own values. `rows`: of the residuals that count.
-  Eigen::MatrixXd Add(const WindowSlopes& slopes, const std::vector<int>& entries, int own, Eigen::Index rows) {
+  Eigen::MatrixXd Add(const WindowSlopes& slopes, const std::vector<int>& entries, int own,
+                      Eigen::Index rows) {
     const Eigen::MatrixXd frame = slopes.of_frame.topLeftCorner(rows, own);
     const Eigen::MatrixXd shared = slopes.of_shared.topRows(rows)(Eigen::all, entries);
     const Eigen::VectorXd residual = slopes.residual.head(rows);
@@ -215,7 +215,8 @@ struct SharedInformation {
 
 // Sets what follows from the derivatives at the solution: covariance, inflation and the errors of the frames'
 // levels. Returns the variances of the frames' levels, with what the spread of levels says.
-std::vector<double> FindErrors(const PointEchoData& data, const PointEchoFree& free, PointEchoSolution& state) {
+std::vector<double> FindErrors(const PointEchoData& data, const PointEchoFree& free,
+                               PointEchoSolution& state) {
   const int shared = PointEcho::kSize + data.groups;
   std::vector<int> fixed = FixedEntries(free);
   if (state.taper_at_bound) fixed.push_back(2);
@@ -271,12 +272,11 @@ std::vector<double> FindErrors(const PointEchoData& data, const PointEchoFree& f
         spread > 0.0 ? 1.0 / std::max(1.0 / variance - 1.0 / (spread * spread), kLeastInformation) : 0.0;
     state.frame_level_sigma_db.push_back(std::sqrt(without));
   }
-  state.inflation =
-      frames >= kFramesForScatter
-          ? std::max(1.0, state.inflation * frames / (frames - 1.0) *
-                              (of_shape.information.inverse() * of_shape.scatter).trace() /
-                              static_cast<double>(shapes.size()))
-          : data.cell_pixels * std::max(1.0, state.chi_square_per_pixel);
+  state.inflation = frames >= kFramesForScatter
+                        ? std::max(1.0, state.inflation * frames / (frames - 1.0) *
+                                            (of_shape.information.inverse() * of_shape.scatter).trace() /
+                                            static_cast<double>(shapes.size()))
+                        : data.cell_pixels * std::max(1.0, state.chi_square_per_pixel);
   return own_variance;
 }
 
@@ -357,7 +357,8 @@ PointEchoSolution FitPointEcho(const PointEchoData& data, const PointEchoFree& f
     constexpr double kSame = 1e-4;
     const bool same_spread = std::abs(state.level_spread_db - spread_before) <= 0.02 * spread_before;
     const bool same_inflation = std::abs(state.inflation - inflation_before) <= 0.02 * inflation_before;
-    if (round > 0 && same_spread && same_inflation && std::abs(state.echo.level_db - before.level_db) < kSame &&
+    if (round > 0 && same_spread && same_inflation &&
+        std::abs(state.echo.level_db - before.level_db) < kSame &&
         std::abs(state.echo.log_azimuth_width - before.log_azimuth_width) < kSame &&
         std::abs(state.echo.log_pulse - before.log_pulse) < kSame) {
       break;

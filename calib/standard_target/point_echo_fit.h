@@ -5,9 +5,9 @@
 // whose standard deviation is estimated too: a target turns, swings and is crossed by bubbles.
 //
 // Standard errors are those of the linearised problem, with the values of each frame eliminated. Noise is
-// correlated between pixels, so that a pixel counts for less than one. By how much is found from the frames: the
-// scatter of their slopes of the cost by the shape of the echo, over what independent pixels would give. With
-// fewer than kFramesForScatter frames, a resolution cell counts as one pixel.
+// correlated between pixels, so that a pixel counts for less than one. By how much is found from the frames:
+// the scatter of their slopes of the cost by the shape of the echo, over what independent pixels would give.
+// With fewer than kFramesForScatter frames, a resolution cell counts as one pixel.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,14 +38,14 @@ struct PointEchoData {
 
 struct PointEchoSolution {
   PointEcho echo;
-  std::vector<FrameEcho> frames;      // one a window
-  std::vector<double> group_db;       // mean 0
-  double level_spread_db = 0.0;       // standard deviation of the frames' levels; 0 with fewer than three
+  std::vector<FrameEcho> frames;  // one a window
+  std::vector<double> group_db;   // mean 0
+  double level_spread_db = 0.0;   // standard deviation of the frames' levels; 0 with fewer than three
   std::vector<double> frame_level_sigma_db;
-  // Square of recorded minus expected power in each window, beyond what noise explains, over the square of the
-  // echo's power.
+  // Square of recorded minus expected power in each window, beyond what noise explains, over the square of
+  // the echo's power.
   std::vector<double> misfit;
-  // Of PointEcho, then of group_db. Zero for what is not free.
+  // Covariance of PointEcho, then of group_db. Zero for values that are not free.
   Eigen::MatrixXd covariance;
   bool taper_at_bound = false;
   bool pulse_at_bound = false;

@@ -33,8 +33,9 @@ double WaterDensityKgPerM3(const Water& water) {
 SphereStrength StrengthOfSphere(const StandardSphere& sphere, const SonarModel& sonar, const Water& water,
                                 double pulse_m) {
   if (!(sonar.frequency_hz > 0.0) || !(sonar.sound_speed_m_per_s > 0.0)) {
-    throw DataError("the sonar states a frequency of {} Hz and a sound speed of {} m/s, expected both above 0",
-                    sonar.frequency_hz, sonar.sound_speed_m_per_s);
+    throw DataError(
+        "the sonar states a frequency of {} Hz and a sound speed of {} m/s, expected both above 0",
+        sonar.frequency_hz, sonar.sound_speed_m_per_s);
   }
   const sim::SphereInWater in_water{.material = MaterialNamed(sphere.material),
                                     .radius_m = 0.5 * sphere.diameter_m,

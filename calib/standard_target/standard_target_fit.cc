@@ -38,22 +38,35 @@ class StandardTargetFitter {
   }
 
   StandardTargetFit Run() {
+    Tell("frames read", 0, 1);
     TakeWindows();
+    Tell("fits", 0, kFits);
     Start();
+    Tell("fits", 1, kFits);
     LeaveOutMisfits();
     if (state_.data.windows.empty()) ThrowNoTarget(recording_, fit_.left_out);
     ChooseFree();
     Solve();
+    Tell("fits", 2, kFits);
     LeaveOutOddLevels();
+    Tell("fits", 3, kFits);
     if (state_.solution.usable && state_.free.range_slope) ChooseGainLaw();
+    Tell("fits", kFits, kFits);
     Finish();
     return std::move(fit_);
   }
 
  private:
+  static constexpr int kFits = 4;
+
+  void Tell(const std::string& step, int done, int total) const {
+    if (options_.progress) options_.progress(step, done, total);
+  }
+
   void TakeWindows() {
-    TargetWindows found = FindTargetWindows(recording_, initial_.display, options_.search, options_.frames,
-                                            options_.progress);
+    TargetWindows found =
+        FindTargetWindows(recording_, initial_.display, options_.search, options_.frames,
+                          [this](int done, int total) { Tell("frames read", done, total); });
     state_.data.windows = std::move(found.windows);
     state_.data.cell_pixels = found.cell_pixels;
     peaks_ = std::move(found.sightings);
@@ -78,8 +91,8 @@ class StandardTargetFitter {
     std::vector<double> levels_db;
     for (std::size_t i = 0; i < peaks_.size(); ++i) {
       state_.solution.frames.push_back({.range_m = axes_.range_centre_m(peaks_[i].bin),
-                                  .azimuth_rad = axes_.beam_azimuth_rad[peaks_[i].beam],
-                                  .log_noise = std::log(peaks_[i].noise_power)});
+                                        .azimuth_rad = axes_.beam_azimuth_rad[peaks_[i].beam],
+                                        .log_noise = std::log(peaks_[i].noise_power)});
       const std::vector<double> unit =
           EchoPowerOf(state_.data.windows[i], setting_, state_.solution.echo, state_.solution.frames[i],
                       SensitivityOf(state_.data, {}, state_.data.windows[i]));
@@ -98,9 +111,9 @@ class StandardTargetFitter {
 
   // Leaves out frames whose brightest echo is not the sphere.
   void LeaveOutMisfits() {
-    constexpr double kMostMisfit = 0.25;
+    constexpr double kMaxMisfit = 0.25;
     for (std::size_t i = state_.data.windows.size(); i-- > 0 && state_.solution.usable;) {
-      if (state_.solution.misfit[i] > kMostMisfit) {
+      if (state_.solution.misfit[i] > kMaxMisfit) {
         LeaveOut(i, fmt::format("its echo does not have the shape of a point: {:.0f} % of its energy is left",
                                 100.0 * state_.solution.misfit[i]));
       }
@@ -171,14 +184,16 @@ class StandardTargetFitter {
     std::vector<TargetSight> sights;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       if (!poses_[i]) return;
-      sights.push_back({*poses_[i], state_.solution.frames[i].range_m, state_.solution.frames[i].azimuth_rad});
+      sights.push_back(
+          {*poses_[i], state_.solution.frames[i].range_m, state_.solution.frames[i].azimuth_rad});
     }
     fit_.position = LocateTarget(sights);
     if (!fit_.position) return;
     constexpr double kBinsOfError = 3.0;
     constexpr double kWidthsOfError = 1.0;
     const double width_rad = std::exp(state_.solution.echo.log_azimuth_width);
-    if (fit_.position->range_error_m > kBinsOfError * std::max(axes_.range_bin_m(), std::exp(state_.solution.echo.log_pulse)) ||
+    if (fit_.position->range_error_m >
+            kBinsOfError * std::max(axes_.range_bin_m(), std::exp(state_.solution.echo.log_pulse)) ||
         fit_.position->azimuth_error_rad > kWidthsOfError * width_rad) {
       fit_.report.warnings.push_back(fmt::format(
           "the poses do not agree with a sphere that stands still: ranges differ by {:.3f} m and azimuths by "
@@ -192,7 +207,8 @@ class StandardTargetFitter {
     for (std::size_t i = 0; i < elevations.size(); ++i) state_.data.windows[i].elevation_rad = elevations[i];
     const auto [lowest, highest] = std::minmax_element(elevations.begin(), elevations.end());
     constexpr double kShareMoved = 0.3;
-    state_.free.elevation_width = *highest - *lowest > kShareMoved * std::exp(state_.solution.echo.log_elevation_width);
+    state_.free.elevation_width =
+        *highest - *lowest > kShareMoved * std::exp(state_.solution.echo.log_elevation_width);
   }
 
   void Solve() {
@@ -201,7 +217,6 @@ class StandardTargetFitter {
     state_.solution = FitPointEcho(state_.data, state_.free, state_.solution);
   }
 
-  
   // Fits with a law of gain; its slope then is what the law lacks.
   PointEchoSolution WithLaw(TimeVariedGain law) {
     const double range_m = setting_.reference_range_m;
@@ -219,7 +234,8 @@ class StandardTargetFitter {
   void ChooseGainLaw() {
     constexpr int kSlope = 4;
     const auto doubt = [&](const PointEchoSolution& solution) {
-      return std::abs(solution.echo.range_slope_db_per_decade) / std::sqrt(solution.covariance(kSlope, kSlope));
+      return std::abs(solution.echo.range_slope_db_per_decade) /
+             std::sqrt(solution.covariance(kSlope, kSlope));
     };
     PointEchoSolution best = state_.solution;
     TimeVariedGain law = setting_.time_varied_gain;
@@ -240,10 +256,11 @@ class StandardTargetFitter {
     state_.slope_db = state_.solution.echo.range_slope_db_per_decade;
     state_.slope_sigma_db = state_.Sigma(kSlope);
     if (doubt(state_.solution) > kSigmasOfDoubt) {
-      fit_.report.warnings.push_back(fmt::format(
-          "no known law of the gain with range holds: the nearest, {}, lacks {:.1f} +- {:.1f} dB per decade of "
-          "range, so levels hold at {:.2f} m",
-          ToString(law), state_.slope_db, state_.slope_sigma_db, setting_.reference_range_m));
+      fit_.report.warnings.push_back(
+          fmt::format("no known law of the gain with range holds: the nearest, {}, lacks {:.1f} +- {:.1f} dB "
+                      "per decade of "
+                      "range, so levels hold at {:.2f} m",
+                      ToString(law), state_.slope_db, state_.slope_sigma_db, setting_.reference_range_m));
       return;
     }
     state_.free.range_slope = false;
@@ -266,8 +283,8 @@ class StandardTargetFitter {
     bool any = false;
     for (std::size_t i = offsets_db.size(); i-- > 0;) {
       if (deviations_db[i] <= limit_db) continue;
-      LeaveOut(i, fmt::format("its level is {:.1f} dB off the median of all frames",
-                              offsets_db[i] - median_db));
+      LeaveOut(i,
+               fmt::format("its level is {:.1f} dB off the median of all frames", offsets_db[i] - median_db));
       any = true;
     }
     if (any) Solve();
@@ -285,7 +302,8 @@ class StandardTargetFitter {
               [](const FrameLeftOut& a, const FrameLeftOut& b) { return a.frame < b.frame; });
     if (!fit_.usable) return;
     report.whitened = {.mean = 0.0, .spread = std::sqrt(state_.solution.chi_square_per_pixel)};
-    fit_.strength = StrengthOfSphere(options_.sphere, sonar_, water_, std::exp(state_.solution.echo.log_pulse));
+    fit_.strength =
+        StrengthOfSphere(options_.sphere, sonar_, water_, std::exp(state_.solution.echo.log_pulse));
     fit_.level_db = state_.solution.echo.level_db - fit_.strength.db;
     fit_.level_sigma_db = std::hypot(state_.Sigma(0), fit_.strength.sigma_db);
     fit_.level_spread_db = state_.solution.level_spread_db;
@@ -321,7 +339,7 @@ class StandardTargetFitter {
     for (double& power : fit_.shown_model) power += std::exp(state_.solution.frames[median].log_noise);
   }
 
-  // What the frame alone says: the estimate drawn to the mean by the spread of levels is undone.
+  // Level of the frame alone. Undoes that the spread of levels draws the estimate to the mean.
   double LevelOffsetDb(std::size_t i) const {
     const double spread = state_.solution.level_spread_db;
     if (!(spread > 0.0)) return 0.0;

@@ -5,8 +5,8 @@
 //                                                   {.sphere = {.material = "wc", .diameter_m = 0.02}});
 //
 // Each frame in which the sphere stands alone above the noise (calib/standard_target/target_sighting.h) gives
-// its range, azimuth and level. A fit of all frames (calib/standard_target/point_echo_fit.h) gives the level of
-// the sphere at 1 m, the response in azimuth and range, and what the data determine beyond:
+// its range, azimuth and level. A fit of all frames (calib/standard_target/point_echo_fit.h) gives the level
+// of the sphere at 1 m, the response in azimuth and range, and what the data determine beyond:
 //
 // - The law of the gain with range, if the ranges differ by more than a quarter.
 // - The sensitivity of the beams that the sphere was in, if it moved over three beam widths. Other beams take
@@ -39,7 +39,8 @@ struct StandardTargetOptions {
   StandardSphere sphere;
   TargetSearch search = {};
   std::vector<int> frames = {};  // empty: all
-  std::function<void(int done, int total)> progress = {};  // of reading frames
+  // Called with done = 0 at the start of each step.
+  std::function<void(const std::string& step, int done, int total)> progress = {};
 };
 
 struct TargetFrame {
@@ -59,14 +60,14 @@ struct StandardTargetFit {
   ParameterSet parameters;  // the initial ones with what was fitted
   bool usable = false;
   SphereStrength strength;
-  double level_db = 0.0;        // source level plus gain
-  double level_sigma_db = 0.0;  // with that of the sphere's target strength
+  double level_db = 0.0;         // source level plus gain
+  double level_sigma_db = 0.0;   // with that of the sphere's target strength
   double level_spread_db = 0.0;  // standard deviation of the frames' levels; 0: not estimated
   double reference_range_m = 0.0;
   std::vector<TargetFrame> frames;
   std::vector<FrameLeftOut> left_out;
   std::optional<TargetPosition> position = {};
-  std::vector<int> beams_determined = {};  // beams with a sensitivity of their own
+  std::vector<int> beams_determined = {};         // beams with a sensitivity of their own
   std::optional<double> grey_levels_per_db = {};  // display law log: of the given display
   // For pictures: the sphere in the frame used whose level is the median.
   EchoWindow shown;
@@ -74,8 +75,8 @@ struct StandardTargetFit {
 };
 
 // `initial` gives the display, and the shapes of the responses; its levels and widths are not used. Throws
-// DataError if no frame shows the sphere, with the reason that most frames give, and for what StrengthOfSphere
-// refuses.
+// DataError if no frame shows the sphere, with the reason that most frames give, and for what
+// StrengthOfSphere refuses.
 StandardTargetFit FitStandardTarget(const RecordingSource& recording, const ParameterSet& initial,
                                     const Water& water, double absorption_db_per_m,
                                     const StandardTargetOptions& options);

@@ -22,6 +22,7 @@ void FillParameters(const FittedPointEcho& state, const PolarAxes& axes, const P
   parameters = initial;
   parameters.model = EchoModel::kAcoustic;
   parameters.source_level_db = fit.level_db - initial.receiver.gain_db;
+  parameters.source_level_sigma_db = fit.level_sigma_db;
   parameters.receiver.time_varied_gain = state.data.setting.time_varied_gain;
   parameters.beam.azimuth_pattern = state.data.setting.azimuth_pattern;
   parameters.beam.azimuth_width_deg = DegFromRad(std::exp(state.solution.echo.log_azimuth_width));
@@ -37,7 +38,8 @@ void FillParameters(const FittedPointEcho& state, const PolarAxes& axes, const P
   }
   std::vector<double> noise_db;
   for (const TargetFrame& frame : fit.frames) {
-    noise_db.push_back(frame.noise_db - sim::TimeVariedGainDb(state.data.setting.time_varied_gain, frame.range_m,
+    noise_db.push_back(frame.noise_db - sim::TimeVariedGainDb(state.data.setting.time_varied_gain,
+                                                              frame.range_m,
                                                               state.data.setting.absorption_db_per_m));
   }
   parameters.receiver.noise_db = Median(std::move(noise_db));
@@ -45,8 +47,8 @@ void FillParameters(const FittedPointEcho& state, const PolarAxes& axes, const P
   parameters.receiver.noise_taper_db.clear();
 }
 
-void Add(FitReport& report, const std::string& name, const std::string& unit, double value, double sigma, double initial,
-         double lower, double upper, bool free, bool at_bound = false) {
+void Add(FitReport& report, const std::string& name, const std::string& unit, double value, double sigma,
+         double initial, double lower, double upper, bool free, bool at_bound = false) {
   const ParameterStatus status = !free      ? ParameterStatus::kFixed
                                  : at_bound ? ParameterStatus::kAtBound
                                             : ParameterStatus::kFree;
@@ -73,21 +75,24 @@ void FillSentences(const FittedPointEcho& state, StandardTargetFit& fit) {
         "the level is too low by what the elevation response lacks there");
   }
   if (state.data.groups == 0)
-    report.gauge.emplace_back("sensitivity of the beams as given: the sphere did not move over three beam widths");
+    report.gauge.emplace_back(
+        "sensitivity of the beams as given: the sphere did not move over three beam widths");
   if (state.slope_sigma_db == 0.0) {
-    report.gauge.push_back(fmt::format(
-        "gain with range {} as given: the ranges of the sphere differ by less than a quarter",
-        ToString(state.data.setting.time_varied_gain)));
+    report.gauge.push_back(
+        fmt::format("gain with range {} as given: the ranges of the sphere differ by less than a quarter",
+                    ToString(state.data.setting.time_varied_gain)));
   } else if (!state.free.range_slope) {
-    report.gauge.push_back(fmt::format("gain with range {}: what it lacks was found to be {:.1f} +- {:.1f} dB per decade of range",
-                                       ToString(state.data.setting.time_varied_gain), state.slope_db, state.slope_sigma_db));
+    report.gauge.push_back(fmt::format(
+        "gain with range {}: what it lacks was found to be {:.1f} +- {:.1f} dB per decade of range",
+        ToString(state.data.setting.time_varied_gain), state.slope_db, state.slope_sigma_db));
   }
   if (fit.strength.doubtful) {
-    report.warnings.push_back(fmt::format(
-        "the pulse of {:.1f} mm is within a factor of two of the first internal echo of the sphere, {:.1f} mm "
-        "behind its front face, so the target strength by the {} may be off by decibels",
-        1e3 * fit.parameters.pulse.length_m, 1e3 * fit.strength.first_internal_echo_m,
-        fit.strength.front_face ? "front face alone" : "whole sphere"));
+    report.warnings.push_back(
+        fmt::format("the pulse of {:.1f} mm is within a factor of two of the first internal echo of the "
+                    "sphere, {:.1f} mm "
+                    "behind its front face, so the target strength by the {} may be off by decibels",
+                    1e3 * fit.parameters.pulse.length_m, 1e3 * fit.strength.first_internal_echo_m,
+                    fit.strength.front_face ? "front face alone" : "whole sphere"));
   }
   if (static_cast<int>(fit.frames.size()) < kFramesForScatter) {
     report.warnings.push_back(fmt::format(
@@ -96,7 +101,8 @@ void FillSentences(const FittedPointEcho& state, StandardTargetFit& fit) {
         fit.frames.size()));
   }
   if (state.solution.pulse_at_bound)
-    report.warnings.emplace_back("the pulse is shorter than the range bins show, so the level may be too low");
+    report.warnings.emplace_back(
+        "the pulse is shorter than the range bins show, so the level may be too low");
 }
 
 void FillReport(const FittedPointEcho& state, const SonarModel& sonar, const ParameterSet& initial,
@@ -105,13 +111,13 @@ void FillReport(const FittedPointEcho& state, const SonarModel& sonar, const Par
   const ParameterSet& fitted = fit.parameters;
   const double width_deg = fitted.beam.azimuth_width_deg;
   std::vector<int> entries = {0, 1};
-  Add(fit.report, "source_level_db", "dB", fitted.source_level_db, fit.level_sigma_db, initial.source_level_db, -300.0,
-      300.0, true);
+  Add(fit.report, "source_level_db", "dB", fitted.source_level_db, fit.level_sigma_db,
+      initial.source_level_db, -300.0, 300.0, true);
   Add(fit.report, "beam.azimuth_width_deg", "deg", width_deg, width_deg * state.Sigma(1),
       sonar.azimuth_beam_width_deg, 0.0, 180.0, true);
   if (state.data.setting.azimuth_pattern == AzimuthPattern::kAperture) {
-    Add(fit.report, "beam.azimuth_taper", "", echo.azimuth_taper, state.Sigma(2), initial.beam.azimuth_taper, 0.0, 1.0, true,
-        state.solution.taper_at_bound);
+    Add(fit.report, "beam.azimuth_taper", "", echo.azimuth_taper, state.Sigma(2), initial.beam.azimuth_taper,
+        0.0, 1.0, true, state.solution.taper_at_bound);
     if (!state.solution.taper_at_bound) entries.push_back(2);
   }
   Add(fit.report, "pulse.length_m", "m", fitted.pulse.length_m, fitted.pulse.length_m * state.Sigma(3),
@@ -119,8 +125,8 @@ void FillReport(const FittedPointEcho& state, const SonarModel& sonar, const Par
       state.solution.pulse_at_bound);
   if (!state.solution.pulse_at_bound) entries.push_back(3);
   if (state.free.range_slope) {
-    Add(fit.report, "range_slope_db_per_decade", "dB", echo.range_slope_db_per_decade, state.Sigma(4), 0.0, -100.0, 100.0,
-        true);
+    Add(fit.report, "range_slope_db_per_decade", "dB", echo.range_slope_db_per_decade, state.Sigma(4), 0.0,
+        -100.0, 100.0, true);
     entries.push_back(4);
   }
   if (state.data.setting.with_elevation) {
@@ -130,16 +136,17 @@ void FillReport(const FittedPointEcho& state, const SonarModel& sonar, const Par
     if (state.free.elevation_width) entries.push_back(5);
   }
   for (int group = 0; group < state.data.groups; ++group) {
-    Add(fit.report, fmt::format("beam.sensitivity_db.{}", fit.beams_determined[group]), "dB", state.solution.group_db[group],
-        state.Sigma(PointEcho::kSize + group), 0.0, -100.0, 100.0, true);
+    Add(fit.report, fmt::format("beam.sensitivity_db.{}", fit.beams_determined[group]), "dB",
+        state.solution.group_db[group], state.Sigma(PointEcho::kSize + group), 0.0, -100.0, 100.0, true);
   }
   const auto count = static_cast<Eigen::Index>(entries.size());
   fit.report.correlation.resize(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     for (Eigen::Index j = 0; j < count; ++j) {
       const auto sigma = [&](int entry) { return entry == 0 ? fit.level_sigma_db : state.Sigma(entry); };
-      fit.report.correlation(i, j) =
-          i == j ? 1.0 : state.solution.covariance(entries[i], entries[j]) / (sigma(entries[i]) * sigma(entries[j]));
+      fit.report.correlation(i, j) = i == j ? 1.0
+                                            : state.solution.covariance(entries[i], entries[j]) /
+                                                  (sigma(entries[i]) * sigma(entries[j]));
     }
   }
   FillSentences(state, fit);
@@ -147,7 +154,9 @@ void FillReport(const FittedPointEcho& state, const SonarModel& sonar, const Par
 
 }  // namespace
 
-double FittedPointEcho::Sigma(int entry) const { return std::sqrt(solution.covariance(entry, entry)); }
+double FittedPointEcho::Sigma(int entry) const {
+  return std::sqrt(solution.covariance(entry, entry));
+}
 
 void FillTargetReport(const FittedPointEcho& state, const SonarModel& sonar, const ParameterSet& initial,
                       StandardTargetFit& fit) {

@@ -77,8 +77,9 @@ ReceivedPowers PowersOf(const PolarImage& image, const DisplayParameters<double>
     const bool hidden = recorded[i].censoring == Censoring::kAtMost;
     powers.power.values()[i] = hidden ? 0.5 * power : power;
     const double step =
-        hidden ? power
-               : 1.0 / (image.scale.full_scale * std::abs(sim::DisplaySlope(display, std::max(power, 1e-300))));
+        hidden
+            ? power
+            : 1.0 / (image.scale.full_scale * std::abs(sim::DisplaySlope(display, std::max(power, 1e-300))));
     powers.rounding_variance.values()[i] = step * step / 12.0;
     powers.clipped.values()[i] = recorded[i].censoring == Censoring::kAtLeast;
   }
@@ -121,17 +122,18 @@ TargetSearchResult FindTarget(const ReceivedPowers& image, const PolarAxes& axes
       highest_db = std::max(highest_db.value_or(above_db), above_db);
       continue;
     }
-    const Profile range = ProfileOf([&, b = bin, c = beam](int i) { return power(b + i, c); }, bin,
-                                    power.rows() - 1 - bin);
-    const Profile azimuth = ProfileOf([&, b = bin, c = beam](int i) { return power(b, c + i); }, beam,
-                                      power.cols() - 1 - beam);
+    const Profile range =
+        ProfileOf([&, b = bin, c = beam](int i) { return power(b + i, c); }, bin, power.rows() - 1 - bin);
+    const Profile azimuth =
+        ProfileOf([&, b = bin, c = beam](int i) { return power(b, c + i); }, beam, power.cols() - 1 - beam);
     if (!range.falls || !azimuth.falls) {
       extended = true;
       continue;
     }
     for (int row = bin - 1; row <= bin + 1; ++row) {
       for (int col = beam - 1; col <= beam + 1; ++col) {
-        if (image.clipped(row, col) != 0) return {{}, "the target's echo is clipped at the top of the display"};
+        if (image.clipped(row, col) != 0)
+          return {{}, "the target's echo is clipped at the top of the display"};
       }
     }
     return {TargetSighting{.bin = bin,
@@ -145,8 +147,8 @@ TargetSearchResult FindTarget(const ReceivedPowers& image, const PolarAxes& axes
   if (extended) return {{}, "its bright echoes are extended, none stands alone"};
   if (!highest_db) return {{}, "it has no peak in the window of range"};
   return {{},
-          fmt::format("its brightest peak is {:.1f} dB above the noise, expected at least {:.1f}", *highest_db,
-                      search.above_noise_db)};
+          fmt::format("its brightest peak is {:.1f} dB above the noise, expected at least {:.1f}",
+                      *highest_db, search.above_noise_db)};
 }
 
 }  // namespace sonarcal::calib

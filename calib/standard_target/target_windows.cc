@@ -110,8 +110,8 @@ TargetWindows FindTargetWindows(const RecordingSource& recording, const DisplayP
   for (const int frame : frames) {
     const Frame read = recording.ReadFrame(frame);
     if (std::string why; !axes.Matches(read.image.axes, &why)) {
-      throw DataError("{}: the axes of frame {} are not those of the first frame: {}", recording.info().source,
-                      frame, why);
+      throw DataError("{}: the axes of frame {} are not those of the first frame: {}",
+                      recording.info().source, frame, why);
     }
     const ReceivedPowers powers = PowersOf(read.image, display);
     const TargetSearchResult found = FindTarget(powers, axes, search);
@@ -124,8 +124,8 @@ TargetWindows FindTargetWindows(const RecordingSource& recording, const DisplayP
   }
   if (sighted.empty()) ThrowNoTarget(recording, result.left_out);
 
-  result.range_extent_m =
-      std::max(axes.range_bin_m(), MedianOf(sighted, [](const TargetSighting& s) { return s.range_extent_m; }));
+  result.range_extent_m = std::max(
+      axes.range_bin_m(), MedianOf(sighted, [](const TargetSighting& s) { return s.range_extent_m; }));
   result.azimuth_extent_rad =
       std::max(0.5 * axes.beam_spacing_rad(),
                MedianOf(sighted, [](const TargetSighting& s) { return s.azimuth_extent_rad; }));

@@ -1,4 +1,4 @@
-// Reads a recording and keeps of each frame the pixels about a small target, so that memory does not grow with
+// Reads a recording and keeps of each frame the pixels about a small target, so that memory does not grow
 // the images.
 #pragma once
 

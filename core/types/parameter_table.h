@@ -456,6 +456,15 @@ struct ParameterTable<ParameterSet> {
                            .paper_fit = FitLimits{0.0, 300.0},
                            .acoustic_fit = FitLimits{0.0, 300.0}}),
           self.source_level_db);
+    visit(
+        ParameterInfo{.key = "source_level_sigma_db",
+                      .meaning = "Standard error of source level plus gain, measured with a standard target",
+                      .unit = "dB",
+                      .models = kEchoPowerModels,
+                      .by_default = "not measured: backscatter is relative to source level plus gain",
+                      .min = 0.0,
+                      .max = 200.0},
+        self.source_level_sigma_db);
     visit(internal::Level({.key = "noise_level_db",
                            .meaning = "Noise level NL of the sonar equation (paper, Eq. 10)",
                            .label = "Noise level NL (Eq. 10)",

@@ -200,6 +200,9 @@ constexpr auto WordsOf(std::type_identity<EchoModel>) {
 struct ParameterSet {
   EchoModel model = EchoModel::kPaper;
   double source_level_db = 200.0;
+  // Standard error of source level plus gain, once a standard target has measured it. Backscatter curves are
+  // then absolute. Absent: they hold relative to source level plus gain.
+  std::optional<double> source_level_sigma_db = {};
   double noise_level_db = 0.0;  // NL of Park 2024 Eq. (10), paper model only
   double array_gain_db = 0.0;   // AG of Park 2024 Eq. (10), paper model only
   DisplayParameters<double> display;

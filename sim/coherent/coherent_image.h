@@ -27,7 +27,8 @@
 // one scatterer. They have the same range and phase and reach the array from two directions; the array
 // determines how they add. Echoes of different length have independent random phases.
 //
-// Point targets, such as a sphere used as a standard target, have a fixed amplitude and a random phase per look:
+// Point targets, such as a sphere used as a standard target, have a fixed amplitude and a random phase per
+// look:
 //
 //   10^((SL + G - 40 log10 R - 2 alpha R) / 10) sigma el(phi),   sigma the backscattering cross section
 //

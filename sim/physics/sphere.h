@@ -62,7 +62,7 @@ struct SphereUncertainty {
 double SphereTargetStrengthSigmaDb(const SphereInWater& sphere, double frequency_hz, double bandwidth_hz,
                                    const SphereUncertainty& uncertainty);
 
-// The same of SphereFrontFaceDb.
+// Standard error of SphereFrontFaceDb in dB, likewise.
 double SphereFrontFaceSigmaDb(const SphereInWater& sphere, const SphereUncertainty& uncertainty);
 
 }  // namespace sonarcal::sim

@@ -18,8 +18,7 @@ Eigen::Vector3d Direction(const SpherePlace& place) {
 
 // Pose without roll from which the origin of the world appears at `place`.
 Pose PoseThatSeesOriginAt(const SpherePlace& place) {
-  const Eigen::Quaterniond rotation =
-      RotationFromYawPitchRoll(place.azimuth_rad, -place.elevation_rad, 0.0);
+  const Eigen::Quaterniond rotation = RotationFromYawPitchRoll(place.azimuth_rad, -place.elevation_rad, 0.0);
   return {rotation, rotation * (-place.range_m * Direction(place))};
 }
 
@@ -57,11 +56,11 @@ MemoryRecording SphereRecording(const SphereRecordingOptions& options) {
     const Pose pose = PoseThatSeesOriginAt(options.places[i]);
     sim::CoherentGeometry geometry{caster, fan, options.sonar, options.absorption_db_per_m};
     const double change_db = options.level_change_db.empty() ? 0.0 : options.level_change_db[i];
-    geometry.point_targets = {
-        {Eigen::Vector3d::Zero(), options.cross_section_m2 * PowerFromDb(change_db)}};
+    geometry.point_targets = {{Eigen::Vector3d::Zero(), options.cross_section_m2 * PowerFromDb(change_db)}};
     const std::uint64_t seed = options.seed + 2 * i;
     Frame frame;
-    frame.image = Shown(sim::CoherentPower(geometry, pose, options.truth, {seed, seed + 1}), options.truth.display);
+    frame.image =
+        Shown(sim::CoherentPower(geometry, pose, options.truth, {seed, seed + 1}), options.truth.display);
     if (options.with_poses) frame.info.world_from_sonar = pose;
     frames.push_back(std::move(frame));
   }

@@ -22,9 +22,9 @@ struct SphereRecordingOptions {
   ParameterSet truth;
   double cross_section_m2 = 0.0;
   double absorption_db_per_m = 0.0;
-  std::vector<SpherePlace> places;          // one a frame
+  std::vector<SpherePlace> places;           // one a frame
   std::vector<double> level_change_db = {};  // of each frame; empty: 0
-  bool with_poses = false;                  // the sphere then stands still in the world
+  bool with_poses = false;                   // the sphere then stands still in the world
   std::uint64_t seed = 1;
 };
 

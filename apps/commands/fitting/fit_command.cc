@@ -20,6 +20,7 @@
 #include "apps/commands/commands.h"
 #include "apps/commands/fitting/fit_ending.h"
 #include "apps/commands/fitting/fit_noise.h"
+#include "apps/commands/fitting/fit_standard_target.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/choice_section.h"
 #include "apps/report/sections/comparison_section.h"
@@ -101,7 +102,9 @@ std::string CurvesText(const calib::FitReport& report,
                           curve.truth_db.empty() ? "" : fmt::format("  truth {:>7.2f}", curve.truth_db[i]));
     }
   }
-  return text.empty() ? text : text + "    (+-: 95 % band)\n";
+  if (text.empty()) return text;
+  const std::string level = calib::CurvesLevelText(report);
+  return text + "    (+-: 95 % band)\n" + (level.empty() ? "" : "  " + level + "\n");
 }
 
 std::string ParametersText(const calib::FitReport& report) {
@@ -180,17 +183,33 @@ std::string SummaryText(const workflow::RecordingFit& fit, const std::string& re
 
 // Throws UsageError for options that have no effect in the chosen kind of fit.
 void RefuseWithoutEffect(const CLI::App& command, const FitCommandOptions& options) {
-  const cli::OptionNames noise_options = {"--range-min", "--range-max", "--find-background",
-                                          "--hold-out-bands", "--reject-beyond"};
+  const cli::OptionNames noise_options = {"--find-background", "--hold-out-bands", "--reject-beyond"};
+  const cli::OptionNames range_options = {"--range-min", "--range-max"};
+  const cli::OptionNames target_options = {"--diameter-mm", "--bandwidth-khz", "--temperature-sigma"};
+  const auto with = [](cli::OptionNames names, std::initializer_list<cli::OptionNames> others) {
+    for (const cli::OptionNames& other : others) names.insert(names.end(), other.begin(), other.end());
+    return names;
+  };
+  if (!options.standard_target.shape.empty()) {
+    cli::RefuseGivenExcept(command,
+                           with({"--standard-target", "--real", "--sonar", "--poses", "--params", "--out",
+                                 "--frames", "--material", "--threads"},
+                                {range_options, target_options}),
+                           "with --standard-target");
+    return;
+  }
+  cli::RefuseGiven(command, target_options, "without --standard-target");
   if (options.noise_only) {
-    cli::OptionNames taken = {"--noise-only", "--real",    "--params", "--out",
-                              "--held-out",   "--threads", "--choose"};
-    taken.insert(taken.end(), noise_options.begin(), noise_options.end());
-    cli::RefuseGivenExcept(command, taken, "with --noise-only");
+    cli::RefuseGivenExcept(
+        command,
+        with({"--noise-only", "--real", "--params", "--out", "--held-out", "--threads", "--choose"},
+             {range_options, noise_options}),
+        "with --noise-only");
   } else if (options.still) {
     cli::RefuseGivenExcept(command, {"--still", "--real", "--params", "--out", "--threads"}, "with --still");
   } else {
     cli::RefuseGiven(command, noise_options, "without --noise-only");
+    cli::RefuseGiven(command, range_options, "without --noise-only or --standard-target");
     cli::RefuseSceneFormatAlone(command);
     cli::RefuseUnusedSegmentation(command, options.fit.comparison);
   }
@@ -249,8 +268,10 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
     throw UsageError("--choose is not for --noise-only, which chooses by itself");
   if (options.noise_only) return RunFitNoise(options);
   if (options.still) return RunFitStill(options);
-  if (options.scene.empty()) throw UsageError("--scene is required, except with --noise-only or --still");
-  if (options.params.empty()) throw UsageError("--params is required, except with --noise-only or --still");
+  if (!options.standard_target.shape.empty()) return RunFitStandardTarget(options);
+  constexpr const char* kExcept = "except with --noise-only, --still or --standard-target";
+  if (options.scene.empty()) throw UsageError("--scene is required, {}", kExcept);
+  if (options.params.empty()) throw UsageError("--params is required, {}", kExcept);
   const ParameterSet initial = data_io::ReadStartParameters(options.params, options.fit.materials.Known());
   std::unique_ptr<RecordingSource> recording = workflow::OpenRecordingWith(options.real, options.sonar);
   if (!options.poses.empty()) {
@@ -297,20 +318,44 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
 
 namespace {
 
+// Returns the option that chooses this kind of fit.
+CLI::Option* AddStandardTargetOptions(CLI::App* command, StandardTargetChoice* target) {
+  CLI::Option* shape =
+      command
+          ->add_option(
+              "--standard-target", target->shape,
+              "Only calibrate level and responses with a target of known strength that the frames show: "
+              "sphere; --material is then that of the sphere, wc or steel-440c")
+          ->type_name("SHAPE")
+          ->check(CLI::IsMember({"sphere"}).description(""));
+  const auto add = [&](const char* name, auto& member, const char* help, const char* unit, double most) {
+    command->add_option(name, member, help)->type_name(unit)->check(CLI::Range(0.0, most).description(""));
+  };
+  add("--diameter-mm", target->diameter_mm, "Standard target: diameter of the sphere", "MM", 1000.0);
+  add("--bandwidth-khz", target->bandwidth_khz,
+      "Standard target: band over which its strength is averaged (default: that of the fitted pulse)", "KHZ",
+      10000.0);
+  add("--temperature-sigma", target->temperature_sigma_c,
+      "Standard target: standard error of the temperature of the water", "C", 50.0);
+  return shape;
+}
+
 void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
   command
       ->add_option(
           "--real", options->real,
-          "Recording to fit to; each frame needs a pose, except with --poses, --noise-only or --still")
+          "Recording to fit to; each frame needs a pose, except with --poses, --noise-only, --still or "
+          "--standard-target")
       ->type_name("REC")
       ->required();
   cli::AddSonarOfRecording(*command, options->sonar);
   cli::AddSceneOptions(*command, options->scene, options->scene_format, "Scene with named materials",
                        /*required=*/false);
   command
-      ->add_option(
-          "--params", options->params,
-          "Start parameters; --noise-only keeps their display, --still also their looks and noise floor")
+      ->add_option("--params", options->params,
+                   "Start parameters; --noise-only and --standard-target keep their display, --still also "
+                   "their looks and "
+                   "noise floor")
       ->type_name("JSON");
   command
       ->add_option(
@@ -324,13 +369,19 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
   CLI::Option* noise_only =
       command->add_flag("--noise-only", options->noise_only,
                         "Fit only noise floor, speckle and display law, to pings without targets");
+  CLI::Option* still =
+      command
+          ->add_flag("--still", options->still,
+                     "Only separate speckle from receiver noise, on frames from one pose of a static scene")
+          ->excludes(noise_only);
+  AddStandardTargetOptions(command, &options->standard_target)->excludes(noise_only)->excludes(still);
   command
-      ->add_flag("--still", options->still,
-                 "Only separate speckle from receiver noise, on frames from one pose of a static scene")
-      ->excludes(noise_only);
-  command->add_option("--range-min", options->range_min_m, "Noise only: nearest range used (default: all)")
+      ->add_option("--range-min", options->range_min_m,
+                   "Noise only, standard target: nearest range used (default: all)")
       ->type_name("M");
-  command->add_option("--range-max", options->range_max_m, "Noise only: farthest range used (default: all)")
+  command
+      ->add_option("--range-max", options->range_max_m,
+                   "Noise only, standard target: farthest range used (default: all)")
       ->type_name("M");
   command->add_flag("--find-background", options->find_background,
                     "Noise only: find the window of range without targets by rule");

@@ -16,6 +16,14 @@
 
 namespace sonarcal::commands {
 
+// --standard-target (apps/commands/fitting/fit_standard_target.h).
+struct StandardTargetChoice {
+  std::string shape;  // "sphere"; empty: no standard target
+  std::optional<double> diameter_mm;
+  std::optional<double> bandwidth_khz;  // absent: that of the pulse
+  double temperature_sigma_c = 1.0;
+};
+
 struct FitCommandOptions {
   cli::CommonOptions common;
   std::filesystem::path real;
@@ -30,6 +38,8 @@ struct FitCommandOptions {
   // params for the display.
   bool noise_only = false;
   bool still = false;  // --still (apps/workflow/still_poses.h): without scene; uses real, out and params
+  // Uses real, sonar, poses, out, the material of `fit`, and params for the display.
+  StandardTargetChoice standard_target = {};
   std::optional<double> range_min_m;
   std::optional<double> range_max_m;
   double reject_beyond = 0.0;

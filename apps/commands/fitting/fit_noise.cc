@@ -10,6 +10,7 @@
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
 #include "apps/commands/fitting/fit_ending.h"
+#include "apps/commands/fitting/recorded_display.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/noise_section.h"
@@ -26,19 +27,6 @@
 namespace sonarcal::commands {
 
 namespace {
-
-ParameterSet ParametersFor(const FitCommandOptions& options, const RecordingInfo& info) {
-  ParameterSet parameters;
-  parameters.model = EchoModel::kAcoustic;
-  if (!options.params.empty()) parameters = data_io::ReadParameters(options.params);
-  if (options.params.empty() && !(info.scale.db_min && info.scale.db_max)) {
-    throw DataError("{}: the recording states no levels db_min and db_max, expected --params with a display",
-                    info.source);
-  }
-  if (const std::string note = workflow::TakeDisplay(info.scale, parameters); !note.empty())
-    cli::PrintNote(options.common, note);
-  return parameters;
-}
 
 calib::FitReport ReportOf(const workflow::StillPoses& still) {
   calib::FitReport report;
@@ -70,7 +58,7 @@ calib::FitReport ReportOf(const workflow::StillPoses& still) {
 
 cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
   const auto recording = data_io::OpenRecording(options.real);
-  ParameterSet parameters = ParametersFor(options, recording->info());
+  ParameterSet parameters = ParametersWithDisplay(options, recording->info());
   cli::RunOutput output(options.out, "fit", options.common.force);
   const workflow::StillPoses still = workflow::MeasureStillPoses(*recording, parameters, 0.0, {});
   if (still.poses.empty()) {

@@ -140,9 +140,10 @@ void ClipBelow(std::vector<ChartSeries>& all) {
 }
 
 LineChart CurveChart(const std::string& material, const workflow::RecordingFit& fit) {
+  const bool absolute = fit.fit.report.curves_level && fit.fit.report.curves_level->sigma_db;
   LineChart chart{.title = material,
                   .x = {.label = "incidence", .unit = "deg", .min = 0.0, .max = 90.0},
-                  .y = {.label = "backscatter", .unit = "dB"},
+                  .y = {.label = absolute ? "backscattering strength S_b" : "backscatter", .unit = "dB"},
                   .series = {},
                   .alt = "Backscatter of " + material + " against incidence, before and after the fit"};
   const GsabParameters<double>& fitted = fit.fit.parameters.Material(material).gsab;
@@ -375,6 +376,8 @@ void AddFittedValues(HtmlReport& report, const workflow::RecordingFit& fit) {
     report.Add(charts,
                "Backscatter of each material before and after the fit. Solid: the frames used show the "
                "material at that incidence. Dashed: extrapolated. Band: 95 % confidence within this model.");
+    if (const std::string level = calib::CurvesLevelText(result); !level.empty())
+      report.Paragraph(level + ".");
   }
   for (const std::string& material : unseen)
     report.Paragraph("Not seen in the frames used: " + material + ".");

@@ -58,6 +58,15 @@ void TakeLevel(const data_io::JsonReader& fit, const Parameters& parameters, Nam
   }
   material.model = set.model;
   material.level_db = ReferenceLevelDb(set);
+  const std::optional<data_io::JsonReader> level = fit.Find("curves_level");
+  const std::optional<double> sigma_db =
+      level ? level->FindNumber("sigma_db", data_io::NumberRange::AtLeast(0.0)) : std::nullopt;
+  if (!sigma_db) return;
+  // A measured level makes the curve absolute, up to its own error.
+  material.level_db.reset();
+  const double sigma_of_log = std::log(PowerFromDb(*sigma_db));
+  for (double* amplitude : {&material.spread.a, &material.spread.c, &material.spread.e})
+    *amplitude = std::exp(std::hypot(std::log(*amplitude), sigma_of_log));
 }
 
 // Fitted curve of one material; nothing if no parameter of it was free.

@@ -53,8 +53,10 @@ std::vector<NamedMaterial> MaterialOptions::Known() const {
 void AddMaterialPriors(const MaterialOptions& options, const ParameterSet& parameters, const Scene& scene,
                        calib::FitConfig& config) {
   const std::vector<NamedMaterial> known = options.Known();
+  const double level_sigma_db =
+      options.level_sigma_db.value_or(parameters.source_level_sigma_db.value_or(calib::kUnknownLevelDb));
   for (const auto& [material, name] : PriorNamesOf(options, parameters, scene))
-    calib::AddMaterialPriors(material, FindMaterial(name, known), parameters, options.level_sigma_db, config);
+    calib::AddMaterialPriors(material, FindMaterial(name, known), parameters, level_sigma_db, config);
 }
 
 std::vector<std::string> MaterialCaveats(const MaterialOptions& options, const ParameterSet& parameters,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace sonarcal::workflow {
 struct MaterialOptions {
   std::vector<std::string> material = {};   // "floor=sand:medium", or "sand:medium" if the scene has one
   std::vector<std::string> materials = {};  // files
-  double level_sigma_db = calib::kUnknownLevelDb;
+  std::optional<double> level_sigma_db = {};
 
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
@@ -35,6 +36,7 @@ struct MaterialOptions {
                      .help = "Standard deviation of source level and gain together, by which the priors of "
                              "named materials are widened; 0 for a calibrated sonar",
                      .unit = "dB",
+                     .by_default = "source_level_sigma_db of the parameters, else 20",
                      .min = 0.0,
                      .max = 200.0},
           self.level_sigma_db);

@@ -24,8 +24,8 @@ constexpr int kBeams = 96;
 constexpr double kSpacingDeg = 0.3;
 constexpr double kDiameterM = 0.02;
 
-// A sphere of tungsten carbide before an array, recorded by the coherent simulator. Fits start from the defaults
-// of the parameters and from a data sheet that is wrong by half.
+// A sphere of tungsten carbide before an array, recorded by the coherent simulator. Fits start from the
+// defaults of the parameters and from a data sheet that is wrong by half.
 class StandardTargetFitTest : public ::testing::Test {
  protected:
   StandardTargetFitTest() {
