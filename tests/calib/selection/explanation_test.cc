@@ -131,8 +131,9 @@ TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
   const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), Options());
   const auto nats_per_pixel = [&](const ExplainedStep& step) {
     ParameterSet with = step.parameters;
+    const std::vector<AcousticFrame> recorded = FramesFor(frames.used, with.display);
     const std::vector<std::vector<double>> mean =
-        MeanPowers(AcousticFrameModel(simulator, FramesFor(frames.used, with.display), with));
+        MeanPowers(AcousticFrameModel(simulator, recorded, with));
     with.receiver.looks = BestLooks(frames.used, mean, with);
     return GreyLikelihood(frames.used, mean, with, 16, 8).PerPixel();
   };
