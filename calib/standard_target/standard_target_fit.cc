@@ -1,6 +1,7 @@
 #include "calib/standard_target/standard_target_fit.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -114,22 +115,25 @@ class StandardTargetFitter {
     constexpr double kMaxMisfit = 0.25;
     for (std::size_t i = state_.data.windows.size(); i-- > 0 && state_.solution.usable;) {
       if (state_.solution.misfit[i] > kMaxMisfit) {
-        LeaveOut(i, fmt::format("its echo does not have the shape of a point: {:.0f} % of its energy is left",
-                                100.0 * state_.solution.misfit[i]));
+        LeaveOut(i, "its echo does not have the shape of a point",
+                 fmt::format("{:.0f} % of its energy is left", 100.0 * state_.solution.misfit[i]));
       }
     }
   }
 
-  void LeaveOut(std::size_t index, const std::string& why) {
+  void LeaveOut(std::size_t index, const std::string& why, const std::string& detail = {}) {
     const auto at = static_cast<std::ptrdiff_t>(index);
-    fit_.left_out.push_back({state_.data.windows[index].frame, why});
+    fit_.left_out.push_back({state_.data.windows[index].frame, why, detail});
     state_.data.windows.erase(state_.data.windows.begin() + at);
     poses_.erase(poses_.begin() + at);
     peaks_.erase(peaks_.begin() + at);
     state_.solution.frames.erase(state_.solution.frames.begin() + at);
     state_.solution.misfit.erase(state_.solution.misfit.begin() + at);
     state_.solution.frame_level_sigma_db.erase(state_.solution.frame_level_sigma_db.begin() + at);
-    if (fit_.position) fit_.position->elevation_rad.erase(fit_.position->elevation_rad.begin() + at);
+    if (fit_.position) {
+      fit_.position->elevation_rad.erase(fit_.position->elevation_rad.begin() + at);
+      fit_.position->agrees.erase(fit_.position->agrees.begin() + at);
+    }
   }
 
   void ChooseFree() {
@@ -183,29 +187,36 @@ class StandardTargetFitter {
   void FindElevations() {
     std::vector<TargetSight> sights;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (!poses_[i]) return;
+      if (!poses_[i]) continue;
       sights.push_back(
           {*poses_[i], state_.solution.frames[i].range_m, state_.solution.frames[i].azimuth_rad});
     }
-    fit_.position = LocateTarget(sights);
-    if (!fit_.position) return;
-    constexpr double kBinsOfError = 3.0;
-    constexpr double kWidthsOfError = 1.0;
-    const double width_rad = std::exp(state_.solution.echo.log_azimuth_width);
-    if (fit_.position->range_error_m >
-            kBinsOfError * std::max(axes_.range_bin_m(), std::exp(state_.solution.echo.log_pulse)) ||
-        fit_.position->azimuth_error_rad > kWidthsOfError * width_rad) {
-      fit_.report.warnings.push_back(fmt::format(
-          "the poses do not agree with a sphere that stands still: ranges differ by {:.3f} m and azimuths by "
-          "{:.2f} degrees (RMS), so elevations are not used",
-          fit_.position->range_error_m, DegFromRad(fit_.position->azimuth_error_rad)));
-      fit_.position.reset();
+    if (sights.size() < poses_.size()) {
+      fit_.elevation_unknown = sights.empty()
+                                   ? "there are no poses"
+                                   : fmt::format("{} frames have no pose", poses_.size() - sights.size());
+      return;
+    }
+    constexpr double kExtentsOfError = 3.0;
+    const double range_extent_m = std::max(axes_.range_bin_m(), std::exp(state_.solution.echo.log_pulse));
+    TargetLocation found =
+        LocateTarget(sights, {.range_m = kExtentsOfError * range_extent_m,
+                              .azimuth_rad = std::max(axes_.beam_spacing_rad(),
+                                                      std::exp(state_.solution.echo.log_azimuth_width))});
+    fit_.position = std::move(found.position);
+    if (!fit_.position) {
+      fit_.elevation_unknown = found.why_not;
       return;
     }
     state_.data.setting.with_elevation = true;
-    const std::vector<double>& elevations = fit_.position->elevation_rad;
-    for (std::size_t i = 0; i < elevations.size(); ++i) state_.data.windows[i].elevation_rad = elevations[i];
-    const auto [lowest, highest] = std::minmax_element(elevations.begin(), elevations.end());
+    for (std::size_t i = 0; i < sights.size(); ++i)
+      state_.data.windows[i].elevation_rad = fit_.position->elevation_rad[i];
+    for (std::size_t i = sights.size(); i-- > 0;) {
+      if (fit_.position->agrees[i]) continue;
+      LeaveOut(i, "its brightest echo is elsewhere than the sphere of the other frames");
+    }
+    const auto [lowest, highest] =
+        std::minmax_element(fit_.position->elevation_rad.begin(), fit_.position->elevation_rad.end());
     constexpr double kShareMoved = 0.3;
     state_.free.elevation_width =
         *highest - *lowest > kShareMoved * std::exp(state_.solution.echo.log_elevation_width);
@@ -230,37 +241,41 @@ class StandardTargetFitter {
     return FitPointEcho(state_.data, state_.free, start);
   }
 
-  // Keeps the given law unless the ranges refuse it. Takes the one that they refuse least, or none.
+  // Keeps the given law unless the ranges refuse it. Takes another if it is the only one that they allow, and if
+  // elevations are known: else levels may change with range because the elevation does.
   void ChooseGainLaw() {
     constexpr int kSlope = 4;
-    const auto doubt = [&](const PointEchoSolution& solution) {
-      return std::abs(solution.echo.range_slope_db_per_decade) /
-             std::sqrt(solution.covariance(kSlope, kSlope));
+    const auto allowed = [&](const PointEchoSolution& solution) {
+      return solution.usable && std::abs(solution.echo.range_slope_db_per_decade) <=
+                                    kSigmasOfDoubt * std::sqrt(solution.covariance(kSlope, kSlope));
     };
-    PointEchoSolution best = state_.solution;
-    TimeVariedGain law = setting_.time_varied_gain;
-    if (doubt(state_.solution) > kSigmasOfDoubt) {
-      for (const auto& [word, other] : WordsOf(std::type_identity<TimeVariedGain>{})) {
-        if (other == setting_.time_varied_gain) continue;
-        const PointEchoSolution with_other = WithLaw(other);
-        if (with_other.usable && doubt(with_other) < doubt(best)) {
-          best = with_other;
-          law = other;
-        }
-        state_.data.setting.time_varied_gain = setting_.time_varied_gain;
+    const TimeVariedGain given = setting_.time_varied_gain;
+    std::vector<std::pair<TimeVariedGain, PointEchoSolution>> fitting;
+    if (!allowed(state_.solution)) {
+      for (const auto& [word, law] : WordsOf(std::type_identity<TimeVariedGain>{})) {
+        if (law == given) continue;
+        PointEchoSolution solution = WithLaw(law);
+        state_.data.setting.time_varied_gain = given;
+        if (allowed(solution)) fitting.emplace_back(law, std::move(solution));
       }
     }
-    state_.solution = best;
-    setting_.time_varied_gain = law;
-    state_.data.setting.time_varied_gain = law;
+    if (fitting.size() == 1 && fit_.position) {
+      state_.solution = std::move(fitting.front().second);
+      setting_.time_varied_gain = fitting.front().first;
+      state_.data.setting.time_varied_gain = fitting.front().first;
+    }
     state_.slope_db = state_.solution.echo.range_slope_db_per_decade;
     state_.slope_sigma_db = state_.Sigma(kSlope);
-    if (doubt(state_.solution) > kSigmasOfDoubt) {
-      fit_.report.warnings.push_back(
-          fmt::format("no known law of the gain with range holds: the nearest, {}, lacks {:.1f} +- {:.1f} dB "
-                      "per decade of "
-                      "range, so levels hold at {:.2f} m",
-                      ToString(law), state_.slope_db, state_.slope_sigma_db, setting_.reference_range_m));
+    if (!allowed(state_.solution)) {
+      std::vector<std::string> words;
+      for (const auto& [law, solution] : fitting) words.emplace_back(ToString(law));
+      fit_.report.warnings.push_back(fmt::format(
+          "the levels change with range by {:.1f} +- {:.1f} dB per decade more than the gain with range {} "
+          "explains, so the level holds at {:.2f} m; {}",
+          state_.slope_db, state_.slope_sigma_db, ToString(given), setting_.reference_range_m,
+          !fit_.position  ? "the elevation is not known, and may cause it"
+          : words.empty() ? "no known law explains it"
+                          : fmt::format("these laws would: {}", fmt::join(words, ", "))));
       return;
     }
     state_.free.range_slope = false;
@@ -283,8 +298,8 @@ class StandardTargetFitter {
     bool any = false;
     for (std::size_t i = offsets_db.size(); i-- > 0;) {
       if (deviations_db[i] <= limit_db) continue;
-      LeaveOut(i,
-               fmt::format("its level is {:.1f} dB off the median of all frames", offsets_db[i] - median_db));
+      LeaveOut(i, "its level is off the median of all frames",
+               fmt::format("{:+.1f} dB", offsets_db[i] - median_db));
       any = true;
     }
     if (any) Solve();

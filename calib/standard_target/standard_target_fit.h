@@ -67,6 +67,7 @@ struct StandardTargetFit {
   std::vector<TargetFrame> frames;
   std::vector<FrameLeftOut> left_out;
   std::optional<TargetPosition> position = {};
+  std::string elevation_unknown = {};             // why, if there is no position
   std::vector<int> beams_determined = {};         // beams with a sensitivity of their own
   std::optional<double> grey_levels_per_db = {};  // display law log: of the given display
   // For pictures: the sphere in the frame used whose level is the median.

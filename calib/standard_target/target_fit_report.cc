@@ -70,9 +70,10 @@ void FillSentences(const FittedPointEcho& state, StandardTargetFit& fit) {
   report.gauge.emplace_back(
       "receiver.gain_db as given: a target shows source level and gain only as their sum");
   if (!fit.position) {
-    report.gauge.emplace_back(
-        "the sphere is taken to be on the axis in elevation: there are no poses that tell its elevation, and "
-        "the level is too low by what the elevation response lacks there");
+    report.gauge.push_back(
+        fmt::format("the sphere is taken to be on the axis in elevation, because {}: the level is too low by "
+                    "what the elevation response lacks where it was",
+                    fit.elevation_unknown));
   }
   if (state.data.groups == 0)
     report.gauge.emplace_back(

@@ -1,104 +1,178 @@
 #include "calib/standard_target/target_position.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
 
 #include "core/types/units.h"
 
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kAzimuthErrorRad = 1e-3;
-constexpr double kRangeErrorShare = 1e-3;
+// Errors are in units of the tolerance.
+class Locator {
+ public:
+  Locator(const std::vector<TargetSight>& sights, const SightTolerance& tolerance)
+      : sights_(sights), tolerance_(tolerance) {}
 
-struct Step {
-  double cost = 0.0;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d slope = Eigen::Vector3d::Zero();
-};
-
-Step StepAt(const std::vector<TargetSight>& sights, const Eigen::Vector3d& position_m) {
-  Step step;
-  for (const TargetSight& sight : sights) {
-    const Eigen::Vector3d at = sight.world_from_sonar.Inverse() * position_m;
-    const Eigen::Matrix3d sonar_from_world = sight.world_from_sonar.rotation.conjugate().toRotationMatrix();
-    const double range_error_m = kRangeErrorShare * sight.range_m;
-    const double across = at.head<2>().squaredNorm();
-    Eigen::Matrix<double, 2, 3> rows;
-    rows.row(0) = at.transpose() / (at.norm() * range_error_m);
-    rows.row(1) = Eigen::RowVector3d(at.y(), -at.x(), 0.0) / (across * kAzimuthErrorRad);
-    const Eigen::Vector2d residual((at.norm() - sight.range_m) / range_error_m,
-                                   (std::atan2(at.x(), at.y()) - sight.azimuth_rad) / kAzimuthErrorRad);
-    rows = rows * sonar_from_world;
-    step.cost += residual.squaredNorm();
-    step.information += rows.transpose() * rows;
-    step.slope += rows.transpose() * residual;
-  }
-  return step;
-}
-
-// Damped Gauss-Newton steps from a start.
-Eigen::Vector3d Refine(const std::vector<TargetSight>& sights, Eigen::Vector3d position_m) {
-  double damping = 1e-3;
-  Step at = StepAt(sights, position_m);
-  for (int i = 0; i < 100; ++i) {
-    Eigen::Matrix3d damped = at.information;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::Vector3d move = -damped.ldlt().solve(at.slope);
-    const Step next = StepAt(sights, position_m + move);
-    if (next.cost <= at.cost) {
-      position_m += move;
-      at = next;
-      damping *= 0.3;
-      if (move.norm() < 1e-7) break;
-    } else {
-      damping *= 10.0;
-      if (damping > 1e12) break;
+  // Position of the lowest cost among those that fits from every start reach.
+  Eigen::Vector3d Search() const {
+    constexpr double kStepRad = 0.1;
+    constexpr int kSteps = 4;  // on either side of the image plane
+    constexpr std::size_t kSightsToStart = 8;
+    const std::size_t step = std::max<std::size_t>(1, sights_.size() / kSightsToStart);
+    Eigen::Vector3d best = Eigen::Vector3d::Zero();
+    double lowest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < sights_.size(); i += step) {
+      for (int k = -kSteps; k <= kSteps; ++k) {
+        const Eigen::Vector3d position_m = Refine(At(sights_[i], k * kStepRad));
+        const double cost = StepAt(position_m).cost;
+        if (cost < lowest) {
+          best = position_m;
+          lowest = cost;
+        }
+      }
     }
+    return best;
   }
-  return position_m;
-}
+
+  // Least squares of the sights that agree; absent if too few do.
+  std::optional<TargetPosition> Refined(Eigen::Vector3d position_m) const {
+    std::vector<TargetSight> agreeing;
+    for (const TargetSight& sight : sights_) {
+      if (ErrorOf(sight, position_m).squaredNorm() <= 1.0) agreeing.push_back(sight);
+    }
+    if (agreeing.size() < 3 || 2 * agreeing.size() < sights_.size()) return {};
+    const Locator among_them(agreeing, tolerance_);
+    position_m = among_them.Refine(position_m);
+    if (!among_them.Determines(position_m)) return {};
+    TargetPosition result{.position_m = position_m};
+    double count = 0.0;
+    for (const TargetSight& sight : sights_) {
+      const Eigen::Vector2d error = ErrorOf(sight, position_m);
+      result.agrees.push_back(error.squaredNorm() <= 1.0);
+      if (result.agrees.back()) {
+        result.range_error_m += error(0) * error(0);
+        result.azimuth_error_rad += error(1) * error(1);
+        count += 1.0;
+      }
+      const Eigen::Vector3d in_sonar = sight.world_from_sonar.Inverse() * position_m;
+      result.elevation_rad.push_back(std::asin(in_sonar.z() / in_sonar.norm()));
+    }
+    result.range_error_m = tolerance_.range_m * std::sqrt(result.range_error_m / count);
+    result.azimuth_error_rad = tolerance_.azimuth_rad * std::sqrt(result.azimuth_error_rad / count);
+    return result;
+  }
+
+  std::size_t AgreeingWith(const Eigen::Vector3d& position_m) const {
+    return static_cast<std::size_t>(std::count_if(
+        sights_.begin(), sights_.end(),
+        [&](const TargetSight& sight) { return ErrorOf(sight, position_m).squaredNorm() <= 1.0; }));
+  }
+
+ private:
+  struct Step {
+    double cost = 0.0;
+    double squares = 0.0;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+  };
+
+  static Eigen::Vector3d At(const TargetSight& sight, double elevation_rad) {
+    return sight.world_from_sonar *
+           (sight.range_m * Eigen::Vector3d(std::cos(elevation_rad) * std::sin(sight.azimuth_rad),
+                                            std::cos(elevation_rad) * std::cos(sight.azimuth_rad),
+                                            std::sin(elevation_rad)));
+  }
+
+  // Of range and azimuth: predicted minus recorded.
+  Eigen::Vector2d ErrorOf(const TargetSight& sight, const Eigen::Vector3d& position_m) const {
+    const Eigen::Vector3d at = sight.world_from_sonar.Inverse() * position_m;
+    return {(at.norm() - sight.range_m) / tolerance_.range_m,
+            std::remainder(std::atan2(at.x(), at.y()) - sight.azimuth_rad, 2.0 * std::numbers::pi) /
+                tolerance_.azimuth_rad};
+  }
+
+  // Cauchy's loss: a sight that does not agree pulls little.
+  Step StepAt(const Eigen::Vector3d& position_m) const {
+    Step step;
+    for (const TargetSight& sight : sights_) {
+      const Eigen::Vector3d at = sight.world_from_sonar.Inverse() * position_m;
+      const double across = std::max(at.head<2>().squaredNorm(), 1e-12);
+      Eigen::Matrix<double, 2, 3> rows;
+      rows.row(0) = at.transpose() / (std::max(at.norm(), 1e-6) * tolerance_.range_m);
+      rows.row(1) = Eigen::RowVector3d(at.y(), -at.x(), 0.0) / (across * tolerance_.azimuth_rad);
+      rows = rows * sight.world_from_sonar.rotation.conjugate().toRotationMatrix();
+      const Eigen::Vector2d error = ErrorOf(sight, position_m);
+      const double weight = 1.0 / (1.0 + error.squaredNorm());
+      step.cost += std::log1p(error.squaredNorm());
+      step.squares += error.squaredNorm();
+      step.information += weight * rows.transpose() * rows;
+      step.slope += weight * rows.transpose() * error;
+    }
+    return step;
+  }
+
+  // Damped Gauss-Newton steps from a start.
+  Eigen::Vector3d Refine(Eigen::Vector3d position_m) const {
+    double damping = 1e-3;
+    Step at = StepAt(position_m);
+    for (int i = 0; i < 50; ++i) {
+      Eigen::Matrix3d damped = at.information;
+      damped.diagonal() *= 1.0 + damping;
+      const Eigen::Vector3d move = -damped.ldlt().solve(at.slope);
+      const Step next = StepAt(position_m + move);
+      if (next.cost <= at.cost) {
+        position_m += move;
+        at = next;
+        damping *= 0.3;
+        if (move.norm() < 1e-7) break;
+      } else {
+        damping *= 10.0;
+        if (damping > 1e9) break;
+      }
+    }
+    return position_m;
+  }
+
+  bool Determines(const Eigen::Vector3d& position_m) const {
+    constexpr double kLeastError = 0.1;  // of the tolerance
+    const Step at = StepAt(position_m);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(at.information);
+    const double freedom = 2.0 * static_cast<double>(sights_.size()) - 3.0;
+    const double variance = std::max(kLeastError * kLeastError, at.squares / freedom);
+    const double weakest_m = std::sqrt(variance / axes.eigenvalues()(0));
+    return weakest_m < RadFromDeg(1.0) * sights_.front().range_m;
+  }
+
+  const std::vector<TargetSight>& sights_;
+  SightTolerance tolerance_;
+};
 
 }  // namespace
 
-std::optional<TargetPosition> LocateTarget(const std::vector<TargetSight>& sights) {
-  if (sights.size() < 3) return {};
-  constexpr double kStartElevationRad = 0.17;  // 10 degrees
-  std::optional<Eigen::Vector3d> best;
-  double lowest = 0.0;
-  const TargetSight& first = sights.front();
-  for (const double elevation_rad : {-kStartElevationRad, kStartElevationRad}) {
-    const Eigen::Vector3d start =
-        first.world_from_sonar *
-        (first.range_m * Eigen::Vector3d(std::cos(elevation_rad) * std::sin(first.azimuth_rad),
-                                         std::cos(elevation_rad) * std::cos(first.azimuth_rad),
-                                         std::sin(elevation_rad)));
-    const Eigen::Vector3d position_m = Refine(sights, start);
-    const double cost = StepAt(sights, position_m).cost;
-    if (!best || cost < lowest) {
-      best = position_m;
-      lowest = cost;
-    }
+TargetLocation LocateTarget(const std::vector<TargetSight>& sights, const SightTolerance& tolerance) {
+  if (sights.size() < 3)
+    return {{}, fmt::format("{} frames with a pose show the sphere, expected 3", sights.size())};
+  const Locator locator(sights, tolerance);
+  const Eigen::Vector3d position_m = locator.Search();
+  const std::size_t agreeing = locator.AgreeingWith(position_m);
+  if (agreeing < 3 || 2 * agreeing < sights.size()) {
+    return {{},
+            fmt::format(
+                "the poses of only {} of {} frames agree with a sphere that stands still, within {:.3f} m "
+                "and {:.2f} degrees",
+                agreeing, sights.size(), tolerance.range_m, DegFromRad(tolerance.azimuth_rad))};
   }
-  const Step at = StepAt(sights, *best);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(at.information);
-  const double freedom = std::max(1.0, 2.0 * static_cast<double>(sights.size()) - 3.0);
-  const double inflation = std::max(1.0, at.cost / freedom);
-  const double weakest_m = std::sqrt(inflation / axes.eigenvalues()(0));
-  if (!(weakest_m < RadFromDeg(1.0) * first.range_m)) return {};
-  TargetPosition result{.position_m = *best};
-  for (const TargetSight& sight : sights) {
-    const Eigen::Vector3d in_sonar = sight.world_from_sonar.Inverse() * *best;
-    const double azimuth_error_rad = std::atan2(in_sonar.x(), in_sonar.y()) - sight.azimuth_rad;
-    result.range_error_m += std::pow(in_sonar.norm() - sight.range_m, 2);
-    result.azimuth_error_rad += azimuth_error_rad * azimuth_error_rad;
-    result.elevation_rad.push_back(std::asin(in_sonar.z() / in_sonar.norm()));
-  }
-  const auto count = static_cast<double>(sights.size());
-  result.range_error_m = std::sqrt(result.range_error_m / count);
-  result.azimuth_error_rad = std::sqrt(result.azimuth_error_rad / count);
-  return result;
+  std::optional<TargetPosition> position = locator.Refined(position_m);
+  if (!position)
+    return {{}, "the poses differ too little to tell the elevation of the sphere within a degree"};
+  return {std::move(position), {}};
 }
 
 }  // namespace sonarcal::calib

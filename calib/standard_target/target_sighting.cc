@@ -133,7 +133,7 @@ TargetSearchResult FindTarget(const ReceivedPowers& image, const PolarAxes& axes
     for (int row = bin - 1; row <= bin + 1; ++row) {
       for (int col = beam - 1; col <= beam + 1; ++col) {
         if (image.clipped(row, col) != 0)
-          return {{}, "the target's echo is clipped at the top of the display"};
+          return {{}, "the target's echo is clipped at the top of the display", {}};
       }
     }
     return {TargetSighting{.bin = bin,
@@ -142,13 +142,14 @@ TargetSearchResult FindTarget(const ReceivedPowers& image, const PolarAxes& axes
                            .noise_power = noise,
                            .range_extent_m = range.extent * axes.range_bin_m(),
                            .azimuth_extent_rad = azimuth.extent * axes.beam_spacing_rad()},
+            {},
             {}};
   }
-  if (extended) return {{}, "its bright echoes are extended, none stands alone"};
-  if (!highest_db) return {{}, "it has no peak in the window of range"};
+  if (extended) return {{}, "its bright echoes are extended, none stands alone", {}};
+  if (!highest_db) return {{}, "it has no peak in the window of range", {}};
   return {{},
-          fmt::format("its brightest peak is {:.1f} dB above the noise, expected at least {:.1f}",
-                      *highest_db, search.above_noise_db)};
+          fmt::format("its brightest peak is not {:.0f} dB above the noise", search.above_noise_db),
+          fmt::format("{:.1f} dB", *highest_db)};
 }
 
 }  // namespace sonarcal::calib

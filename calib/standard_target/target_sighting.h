@@ -41,6 +41,7 @@ struct TargetSighting {
 struct TargetSearchResult {
   std::optional<TargetSighting> sighting = {};
   std::string why_not = {};  // without a sighting, such as "its echo is clipped"
+  std::string detail = {};   // what this image shows
 };
 
 // Returns the brightest local peak that falls to a tenth on every side within a few times its own extent, so

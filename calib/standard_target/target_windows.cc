@@ -118,7 +118,7 @@ TargetWindows FindTargetWindows(const RecordingSource& recording, const DisplayP
     if (found.sighting) {
       sighted.push_back(CutOut(frame, *found.sighting, read.info, powers, axes));
     } else {
-      result.left_out.push_back({frame, found.why_not});
+      result.left_out.push_back({frame, found.why_not, found.detail});
     }
     if (progress) progress(++done, static_cast<int>(frames.size()));
   }
@@ -135,7 +135,7 @@ TargetWindows FindTargetWindows(const RecordingSource& recording, const DisplayP
     std::optional<EchoWindow> window = WindowOf(one, axes, bins, beams);
     if (!window) {
       const std::string why = "pixels near the target are clipped at the top of the display";
-      result.left_out.push_back({one.frame, why});
+      result.left_out.push_back({one.frame, why, {}});
       continue;
     }
     result.windows.push_back(*std::move(window));

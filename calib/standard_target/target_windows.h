@@ -17,7 +17,8 @@ namespace sonarcal::calib {
 
 struct FrameLeftOut {
   int frame = 0;
-  std::string why;
+  std::string why;          // the same words for every frame with this reason
+  std::string detail = {};  // what this frame shows
 };
 
 struct TargetWindows {

@@ -34,11 +34,11 @@ calib::StandardTargetOptions TargetOptions(const FitCommandOptions& options, int
   if (!target.diameter_mm) throw UsageError("--standard-target needs --diameter-mm");
   const std::vector<std::string>& material = options.fit.materials.material;
   if (material.size() != 1) throw UsageError("--standard-target needs one --material, such as wc");
-  calib::StandardTargetOptions fit{.sphere = {.material = material.front(),
-                                              .diameter_m = 1e-3 * *target.diameter_mm,
-                                              .temperature_sigma_c = target.temperature_sigma_c},
-                                   .search = {.range_min_m = options.range_min_m,
-                                              .range_max_m = options.range_max_m}};
+  calib::StandardTargetOptions fit{
+      .sphere = {.material = material.front(),
+                 .diameter_m = 1e-3 * *target.diameter_mm,
+                 .temperature_sigma_c = target.temperature_sigma_c},
+      .search = {.range_min_m = options.range_min_m, .range_max_m = options.range_max_m}};
   if (target.bandwidth_khz) fit.sphere.bandwidth_hz = 1e3 * *target.bandwidth_khz;
   fit.frames = options.fit.frames.In(frame_count);
   return fit;
@@ -47,22 +47,23 @@ calib::StandardTargetOptions TargetOptions(const FitCommandOptions& options, int
 cli::Provenance ProvenanceOf(const FitCommandOptions& options, const calib::StandardTargetOptions& fit,
                              const Water& water) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  cli::Provenance provenance{.command = "fit",
-                             .configuration = {{"standard_target", options.standard_target.shape},
-                                               {"material", fit.sphere.material},
-                                               {"diameter_mm", *options.standard_target.diameter_mm},
-                                               {"bandwidth_khz", number(options.standard_target.bandwidth_khz)},
-                                               {"temperature_sigma_c", fit.sphere.temperature_sigma_c},
-                                               {"range_min_m", number(options.range_min_m)},
-                                               {"range_max_m", number(options.range_max_m)},
-                                               {"real", options.real.string()},
-                                               {"sonar", options.sonar},
-                                               {"params", options.params.string()},
-                                               {"poses", options.poses.string()},
-                                               {"out", options.out.string()},
-                                               {"frames", fit.frames},
-                                               {"water", workflow::WaterText(water)}},
-                             .inputs = {options.real}};
+  cli::Provenance provenance{
+      .command = "fit",
+      .configuration = {{"standard_target", options.standard_target.shape},
+                        {"material", fit.sphere.material},
+                        {"diameter_mm", *options.standard_target.diameter_mm},
+                        {"bandwidth_khz", number(options.standard_target.bandwidth_khz)},
+                        {"temperature_sigma_c", fit.sphere.temperature_sigma_c},
+                        {"range_min_m", number(options.range_min_m)},
+                        {"range_max_m", number(options.range_max_m)},
+                        {"real", options.real.string()},
+                        {"sonar", options.sonar},
+                        {"params", options.params.string()},
+                        {"poses", options.poses.string()},
+                        {"out", options.out.string()},
+                        {"frames", fit.frames},
+                        {"water", workflow::WaterText(water)}},
+      .inputs = {options.real}};
   if (!options.params.empty()) provenance.inputs.push_back(options.params);
   if (!options.poses.empty()) provenance.inputs.push_back(options.poses);
   return provenance;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -35,11 +34,21 @@ bool IsSensitivity(const calib::FittedParameter& parameter) {
   return parameter.name.starts_with("beam.sensitivity_db.");
 }
 
-// Reasons for which frames were left out, with their frames.
-std::map<std::string, std::vector<int>> LeftOutByReason(const calib::StandardTargetFit& fit) {
-  std::map<std::string, std::vector<int>> frames;
-  for (const calib::FrameLeftOut& frame : fit.left_out) frames[frame.why].push_back(frame.frame);
-  return frames;
+struct LeftOutReason {
+  std::string why;
+  std::vector<int> frames;
+};
+
+// Reasons for which frames were left out, in the order of their first frames.
+std::vector<LeftOutReason> LeftOutByReason(const calib::StandardTargetFit& fit) {
+  std::vector<LeftOutReason> reasons;
+  for (const calib::FrameLeftOut& frame : fit.left_out) {
+    auto of = std::find_if(reasons.begin(), reasons.end(),
+                           [&](const LeftOutReason& reason) { return reason.why == frame.why; });
+    if (of == reasons.end()) of = reasons.insert(of, {frame.why, {}});
+    of->frames.push_back(frame.frame);
+  }
+  return reasons;
 }
 
 PolarAxes AxesOf(const calib::EchoWindow& window, const PolarAxes& axes) {
@@ -69,9 +78,10 @@ void AddPictures(HtmlReport& report, const calib::StandardTargetFit& fit, const 
   const double highest_db = DbFromPower(*most) + 1.0;
   const double lowest_db = DbFromPower(*least) - 10.0;
   report.Add(PictureRow{
-      .caption = fmt::format("The sphere in frame {}, whose level is the median: powers about its peak, {:.0f} dB "
-                             "from black to white.",
-                             fit.shown.frame, highest_db - lowest_db),
+      .caption =
+          fmt::format("The sphere in frame {}, whose level is the median: powers about its peak, {:.0f} dB "
+                      "from black to white.",
+                      fit.shown.frame, highest_db - lowest_db),
       .pictures = {SonarPicture(LevelImage(fit.shown.power, window, lowest_db, highest_db), SonarView::kPolar,
                                 "Recorded", "Recorded powers about the sphere"),
                    SonarPicture(LevelImage(fit.shown_model, window, lowest_db, highest_db), SonarView::kPolar,
@@ -132,9 +142,10 @@ void AddLevels(HtmlReport& report, const calib::StandardTargetFit& fit) {
       return DegFromRad(frame.elevation_rad.value_or(0.0));
     }));
   }
-  report.Add(charts,
-             "Level that each frame shows by itself, after the fitted responses. A trend is what the fit does not "
-             "explain.");
+  report.Add(
+      charts,
+      "Level that each frame shows by itself, after the fitted responses. A trend is what the fit does not "
+      "explain.");
 }
 
 void AddSensitivities(HtmlReport& report, const calib::StandardTargetFit& fit) {
@@ -148,26 +159,27 @@ void AddSensitivities(HtmlReport& report, const calib::StandardTargetFit& fit) {
     series.high.push_back(parameter.value + half_db);
   }
   if (series.x.empty()) return;
-  report.Add({LineChart{.title = "Sensitivity of the beams",
-                        .x = {.label = "beam"},
-                        .y = {.label = "sensitivity", .unit = "dB"},
-                        .series = {series},
-                        .alt = "Sensitivity of each beam with its error"}},
-             "Sensitivity of the beams that the sphere came near, about their mean. Other beams take that of the "
-             "nearest.");
+  report.Add(
+      {LineChart{.title = "Sensitivity of the beams",
+                 .x = {.label = "beam"},
+                 .y = {.label = "sensitivity", .unit = "dB"},
+                 .series = {series},
+                 .alt = "Sensitivity of each beam with its error"}},
+      "Sensitivity of the beams that the sphere came near, about their mean. Other beams take that of the "
+      "nearest.");
 }
 
 void AddParameters(HtmlReport& report, const calib::StandardTargetFit& fit) {
-  Table table{.caption = "Fitted values.",
-              .columns = {{"Parameter", "", false}, {"Start"}, {"Fitted"}, {"Standard error"}, {"", "Unit", false}},
-              .rows = {}};
+  Table table{
+      .caption = "Fitted values.",
+      .columns = {{"Parameter", "", false}, {"Start"}, {"Fitted"}, {"Standard error"}, {"", "Unit", false}},
+      .rows = {}};
   for (const calib::FittedParameter& parameter : fit.report.parameters) {
     if (IsSensitivity(parameter)) continue;
-    table.rows.push_back({{parameter.name, fmt::format("{:.4g}", parameter.initial),
-                           fmt::format("{:.4g}", parameter.value),
-                           parameter.sigma ? fmt::format("{:.2g}", *parameter.sigma)
-                                           : std::string(ToString(parameter.status)),
-                           parameter.unit}});
+    table.rows.push_back(
+        {{parameter.name, fmt::format("{:.4g}", parameter.initial), fmt::format("{:.4g}", parameter.value),
+          parameter.sigma ? fmt::format("{:.2g}", *parameter.sigma) : std::string(ToString(parameter.status)),
+          parameter.unit}});
   }
   report.Add(table);
   for (const std::string& sentence : fit.report.gauge)
@@ -182,8 +194,8 @@ std::vector<std::string> StandardTargetInWords(const calib::StandardTargetFit& f
       fmt::format("The sphere was found in {} of {} frames; its target strength is {}.", fit.frames.size(),
                   fit.frames.size() + fit.left_out.size(), StrengthText(fit.strength))};
   if (fit.level_spread_db > 0.0) {
-    sentences.push_back(fmt::format("The levels of the frames scatter by {:.2f} dB beyond noise.",
-                                    fit.level_spread_db));
+    sentences.push_back(
+        fmt::format("The levels of the frames scatter by {:.2f} dB beyond noise.", fit.level_spread_db));
   }
   return sentences;
 }
@@ -209,7 +221,8 @@ std::string StandardTargetText(const calib::StandardTargetFit& fit) {
                             : "  " + std::string(ToString(parameter.status)));
   }
   if (!fit.beams_determined.empty())
-    text += fmt::format("  sensitivity of {} beams: in fit.json and the report\n", fit.beams_determined.size());
+    text +=
+        fmt::format("  sensitivity of {} beams: in fit.json and the report\n", fit.beams_determined.size());
   for (const std::string& sentence : fit.report.gauge) text += "  " + sentence + "\n";
   return text;
 }
@@ -218,18 +231,20 @@ std::string StandardTargetMember(const calib::StandardTargetFit& fit) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
   Json frames = Json::array();
   for (const calib::TargetFrame& frame : fit.frames) {
-    frames.push_back({{"frame", frame.frame},
-                      {"range_m", frame.range_m},
-                      {"azimuth_deg", DegFromRad(frame.azimuth_rad)},
-                      {"elevation_deg",
-                       frame.elevation_rad ? Json(DegFromRad(*frame.elevation_rad)) : Json(nullptr)},
-                      {"level_db", frame.level_db},
-                      {"level_sigma_db", frame.level_sigma_db},
-                      {"noise_db", frame.noise_db}});
+    frames.push_back(
+        {{"frame", frame.frame},
+         {"range_m", frame.range_m},
+         {"azimuth_deg", DegFromRad(frame.azimuth_rad)},
+         {"elevation_deg", frame.elevation_rad ? Json(DegFromRad(*frame.elevation_rad)) : Json(nullptr)},
+         {"level_db", frame.level_db},
+         {"level_sigma_db", frame.level_sigma_db},
+         {"noise_db", frame.noise_db}});
   }
   Json left_out = Json::array();
   for (const calib::FrameLeftOut& frame : fit.left_out)
-    left_out.push_back({{"frame", frame.frame}, {"why", frame.why}});
+    left_out.push_back(
+        {{"frame", frame.frame},
+         {"why", frame.detail.empty() ? frame.why : fmt::format("{}: {}", frame.why, frame.detail)}});
   Json position = nullptr;
   if (fit.position) {
     const Eigen::Vector3d& at = fit.position->position_m;
@@ -258,15 +273,15 @@ std::string StandardTargetMember(const calib::StandardTargetFit& fit) {
 void AddStandardTarget(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes) {
   for (const std::string& warning : fit.report.warnings)
     report.Callout(CalloutKind::kWarning, "Reason to doubt the fit", warning + ".");
-  report.KeyFigures({{.label = "Source level + gain",
-                      .value = fmt::format("{:.2f} +- {:.2f}", fit.level_db, fit.level_sigma_db),
-                      .unit = "dB"},
-                     {.label = "Target strength",
-                      .value = fmt::format("{:.2f} +- {:.2f}", fit.strength.db, fit.strength.sigma_db),
-                      .unit = "dB re 1 m^2"},
-                     {.label = "Frames with the sphere",
-                      .value = fmt::format("{} of {}", fit.frames.size(),
-                                           fit.frames.size() + fit.left_out.size())}});
+  report.KeyFigures(
+      {{.label = "Source level + gain",
+        .value = fmt::format("{:.2f} +- {:.2f}", fit.level_db, fit.level_sigma_db),
+        .unit = "dB"},
+       {.label = "Target strength",
+        .value = fmt::format("{:.2f} +- {:.2f}", fit.strength.db, fit.strength.sigma_db),
+        .unit = "dB re 1 m^2"},
+       {.label = "Frames with the sphere",
+        .value = fmt::format("{} of {}", fit.frames.size(), fit.frames.size() + fit.left_out.size())}});
   report.Section("The sphere");
   for (const std::string& sentence : StandardTargetInWords(fit)) report.Paragraph(sentence);
   AddPictures(report, fit, axes);

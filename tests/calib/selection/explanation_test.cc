@@ -132,8 +132,7 @@ TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
   const auto nats_per_pixel = [&](const ExplainedStep& step) {
     ParameterSet with = step.parameters;
     const std::vector<AcousticFrame> recorded = FramesFor(frames.used, with.display);
-    const std::vector<std::vector<double>> mean =
-        MeanPowers(AcousticFrameModel(simulator, recorded, with));
+    const std::vector<std::vector<double>> mean = MeanPowers(AcousticFrameModel(simulator, recorded, with));
     with.receiver.looks = BestLooks(frames.used, mean, with);
     return GreyLikelihood(frames.used, mean, with, 16, 8).PerPixel();
   };

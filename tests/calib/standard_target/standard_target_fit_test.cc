@@ -223,7 +223,7 @@ TEST_F(StandardTargetFitTest, ClippedMissingAndOddSpheresAreLeftOutAndSaidSo) {
   EXPECT_EQ(fit.left_out[1].frame, 5);
   EXPECT_THAT(fit.left_out[1].why, HasSubstr("above the noise"));
   EXPECT_EQ(fit.left_out[2].frame, 7);
-  EXPECT_THAT(fit.left_out[2].why, HasSubstr("dB off the median"));
+  EXPECT_THAT(fit.left_out[2].why, HasSubstr("off the median"));
   EXPECT_NEAR(fit.level_db, TruthLevelDb(), 0.25);  // 3.5 standard errors of nine frames
 }
 

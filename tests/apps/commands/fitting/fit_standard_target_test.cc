@@ -70,7 +70,8 @@ TEST_F(FitStandardTargetCommand, FindsTheLevelOfASimulatedSphere) {
   EXPECT_NEAR(target["level_db"].get<double>() + strength_db, kLevelDb - 40.0, 0.2);
   EXPECT_EQ(target["frames"].size(), 12U);
   EXPECT_NEAR(target["frames"][0]["range_m"].get<double>(), std::hypot(0.05, 3.0), 0.005);
-  EXPECT_NEAR(target["frames"][0]["azimuth_deg"].get<double>(), DegFromRad(std::atan2(0.05, 3.0)) - 2.4, 0.05);
+  EXPECT_NEAR(target["frames"][0]["azimuth_deg"].get<double>(), DegFromRad(std::atan2(0.05, 3.0)) - 2.4,
+              0.05);
   const ParameterSet parameters = data_io::ReadParameters(world_ / "out/params.json");
   EXPECT_EQ(parameters.source_level_db, target["level_db"].get<double>());
   EXPECT_EQ(parameters.source_level_sigma_db.value(), target["level_sigma_db"].get<double>());
@@ -103,8 +104,9 @@ TEST_F(FitStandardTargetCommand, InvalidOptionsAreRefusedInOneSentence) {
   const Outcome alone = RunSonarcal("fit -q --noise-only --diameter-mm 20 --real " + Quoted(world_ / "real") +
                                     " --out " + Quoted(world_ / "out"));
   EXPECT_EQ(alone.status, 2);
-  const Outcome target = RunSonarcal(world_.SimulateArguments() + " -q --model coherent --point-target 1:2 --out " +
-                                     Quoted(world_ / "other"));
+  const Outcome target =
+      RunSonarcal(world_.SimulateArguments() + " -q --model coherent --point-target 1:2 --out " +
+                  Quoted(world_ / "other"));
   EXPECT_EQ(target.status, 2);
   EXPECT_THAT(target.err, HasSubstr("expected X:Y:Z:TS"));
 }
