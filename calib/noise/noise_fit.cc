@@ -232,6 +232,11 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
       try_form(form);
     }
   }
+  if (best.solution.looks_at_bound) {  // tails heavier than those of one look: texture may explain them
+    NoiseForm form = best_form;
+    form.speckle = sim::SpeckleLaw::kK;
+    try_form(form);
+  }
   if (chosen < 0) {
     fit.report.termination = "ended before any candidate converged";
     fit.report.frames_used = frames_used;

@@ -211,7 +211,7 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
     builder.Add("display.exponent", "", -1, law.display.exponent, start.display.exponent, 0.0, 10.0);
   }
   builder.Add("receiver.looks", "", layout.log_looks, law.receiver.looks, start.receiver.looks,
-              kMinNoiseLooks, kMaxNoiseLooks, law.receiver.looks);
+              MinNoiseLooks(law.speckle), kMaxNoiseLooks, law.receiver.looks);
   if (layout.noise_db >= 0) {
     builder.Add("receiver.noise_db", "dB", layout.noise_db, *law.receiver.noise_db,
                 start.receiver.noise_db.value_or(0.0), -kMaxLevelDb, kMaxLevelDb);

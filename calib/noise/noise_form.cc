@@ -69,7 +69,8 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
         std::min(std::max(form.display.db_min - 1.5, level_db - 12.0), form.display.db_min + shown_db - 1.0);
   }
   ReceiverParameters& receiver = law.receiver;
-  receiver.looks = form.fit_span ? 1.0 : 1.3;
+  const double free_looks = form.speckle == sim::SpeckleLaw::kK ? 0.8 : 1.3;
+  receiver.looks = form.fit_span ? 1.0 : free_looks;
   receiver.time_varied_gain = form.time_varied_gain;
   const double near_m = cells.RangeM(0);
   const double far_m = cells.RangeM(cells.bands() - 1);

@@ -293,13 +293,14 @@ void AddPriors(const NoiseSolution& solution, Evaluation& sum) {
 }
 
 // Limits a step from `from`, centres the tapers, and clamps looks and span to their bounds.
-Eigen::VectorXd Next(const NoiseLayout& layout, const Eigen::VectorXd& from, const Eigen::VectorXd& step) {
+Eigen::VectorXd Next(const NoiseLayout& layout, double min_looks, const Eigen::VectorXd& from,
+                     const Eigen::VectorXd& step) {
   Eigen::VectorXd next = from + step.cwiseMin(kMaxStepDb).cwiseMax(-kMaxStepDb);
   CentreTapers(layout, next);
   const auto clamp = [&next](int place, double lower, double upper) {
     if (place >= 0) next[place] = std::clamp(next[place], lower, upper);
   };
-  clamp(layout.log_looks, std::log(kMinNoiseLooks), std::log(kMaxNoiseLooks));
+  clamp(layout.log_looks, std::log(min_looks), std::log(kMaxNoiseLooks));
   clamp(layout.span_db, kLeastSpanDb, kMaxSpanDb);
   return next;
 }
@@ -343,6 +344,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
   const NoiseLayout& layout = solution.layout;
   solution.value = ToVector(start, layout);
   SetPriors(solution, options);
+  const double min_looks = MinNoiseLooks(start.speckle);
   const auto evaluate = [&](const Eigen::VectorXd& value, bool with_information) {
     solution.value = value;
     solution.law = FromVector(start, layout, value);
@@ -359,7 +361,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
   std::vector<double> gains;
   for (solution.iterations = 0; solution.iterations < options.max_iterations; ++solution.iterations) {
     // The number of looks stays at its bound if the score points beyond it.
-    const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(kMinNoiseLooks) &&
+    const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(min_looks) &&
                             at_best.score[layout.log_looks] < 0.0;
     Eigen::MatrixXd information = at_best.information;
     Eigen::MatrixXd curvature = at_best.curvature;
@@ -383,7 +385,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
     }
     bool better = false;
     if (step) {
-      const Eigen::VectorXd next = Next(layout, best, *step);
+      const Eigen::VectorXd next = Next(layout, min_looks, best, *step);
       if (WithinBounds(layout, next)) {
         Evaluation at_next = evaluate(next, true);
         better = std::isfinite(at_next.cost) && at_next.cost < at_best.cost;

@@ -37,7 +37,11 @@ struct NoiseSolution {
   bool looks_at_bound = false;
 };
 
-inline constexpr double kMinNoiseLooks = 1.0;
+// Least number of looks. Below 1, the K law has a texture of shape down to 0.1.
+inline double MinNoiseLooks(sim::SpeckleLaw law) {
+  constexpr double kTextured = 0.05;
+  return law == sim::SpeckleLaw::kK ? kTextured : 1.0;
+}
 inline constexpr double kMaxNoiseLooks = 100.0;
 inline constexpr double kLeastSpanDb = 5.0;
 inline constexpr double kMaxSpanDb = 400.0;

@@ -3,15 +3,26 @@
 #include <cmath>
 
 #include "core/types/units.h"
-#include "sim/physics/beam_pattern.h"
 #include "sim/physics/propagation.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal::calib {
 
+sim::AzimuthResponse<double> AzimuthResponseOf(const PointEchoSetting& setting, const PointEcho& echo) {
+  return sim::AzimuthResponse<double>({.pattern = setting.azimuth_pattern,
+                                       .width_rad = std::exp(echo.log_azimuth_width),
+                                       .taper = echo.azimuth_taper});
+}
+
 std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting& setting,
                                 const PointEcho& echo, const FrameEcho& frame,
                                 const std::vector<double>& sensitivity_db) {
+  return EchoPowerOf(window, setting, echo, AzimuthResponseOf(setting, echo), frame, sensitivity_db);
+}
+
+std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting& setting,
+                                const PointEcho& echo, const sim::AzimuthResponse<double>& azimuth,
+                                const FrameEcho& frame, const std::vector<double>& sensitivity_db) {
   const double range_m = frame.range_m;
   double level_db = echo.level_db + frame.level_offset_db -
                     2.0 * sim::TransmissionLossDb(range_m, setting.absorption_db_per_m) +
@@ -21,9 +32,6 @@ std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting
                                            setting.elevation_taper);
     level_db += DbFromPower(elevation.Power(window.elevation_rad));
   }
-  const sim::AzimuthResponse<double> azimuth({.pattern = setting.azimuth_pattern,
-                                              .width_rad = std::exp(echo.log_azimuth_width),
-                                              .taper = echo.azimuth_taper});
   std::vector<double> of_beam;
   for (std::size_t i = 0; i < window.beam_azimuth_rad.size(); ++i) {
     of_beam.push_back(PowerFromDb(sensitivity_db[i]) *

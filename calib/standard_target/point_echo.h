@@ -13,6 +13,7 @@
 
 #include "core/types/image.h"
 #include "core/types/parameters.h"
+#include "sim/physics/beam_pattern.h"
 
 namespace sonarcal::calib {
 
@@ -66,7 +67,15 @@ struct PointEchoSetting {
   bool with_elevation = false;
 };
 
-// Mean power of each pixel without noise, by bins. `sensitivity_db`: of the window's beams.
+sim::AzimuthResponse<double> AzimuthResponseOf(const PointEchoSetting& setting, const PointEcho& echo);
+
+// Mean power of each pixel without noise, by bins. `sensitivity_db`: of the window's beams. `azimuth` is the
+// response of `echo`: it takes longer to make than a window to compute.
+std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting& setting,
+                                const PointEcho& echo, const sim::AzimuthResponse<double>& azimuth,
+                                const FrameEcho& frame, const std::vector<double>& sensitivity_db);
+
+// The same with a response made for it.
 std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting& setting,
                                 const PointEcho& echo, const FrameEcho& frame,
                                 const std::vector<double>& sensitivity_db);

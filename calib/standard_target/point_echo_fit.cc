@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <numeric>
 
 namespace sonarcal::calib {
@@ -14,6 +15,7 @@ namespace {
 constexpr double kSensitivityPriorDb = 10.0;  // keeps the mean in place; the result has mean 0
 constexpr double kLeastSpreadDb = 0.005;
 constexpr int kRounds = 12;
+constexpr double kTaperBeyond = 0.3;
 
 // Groups of the window's beams, each once.
 std::vector<int> GroupsOf(const PointEchoData& data, const EchoWindow& window) {
@@ -27,69 +29,112 @@ std::vector<int> GroupsOf(const PointEchoData& data, const EchoWindow& window) {
 }
 
 // Residuals of a window's pixels, and of the frame's level against the spread of levels. Parameters:
-// FrameEcho, PointEcho, and one sensitivity for each of GroupsOf.
-class WindowResiduals {
+// FrameEcho, PointEcho, and one sensitivity for each of GroupsOf. Derivatives are central differences; those by
+// a sensitivity are known.
+class WindowCost final : public ceres::CostFunction {
  public:
-  WindowResiduals(const PointEchoData& data, const EchoWindow& window, const PointEchoSolution& at,
-                  std::size_t index)
-      : data_(data), window_(window), groups_(GroupsOf(data, window)), spread_db_(at.level_spread_db) {
+  WindowCost(const PointEchoData& data, const PointEchoSolution& at, std::size_t index)
+      : data_(data),
+        window_(data.windows[index]),
+        groups_(GroupsOf(data, window_)),
+        spread_db_(at.level_spread_db) {
     const FrameEcho& frame = at.frames[index];
-    const std::vector<double> variance = VarianceOf(
-        window, EchoPowerOf(window, data.setting, at.echo, frame, SensitivityOf(data, at.group_db, window)),
-        std::exp(frame.log_noise));
-    for (const double value : variance) weight_.push_back(1.0 / std::sqrt(at.inflation * value));
+    const std::vector<double> power =
+        EchoPowerOf(window_, data.setting, at.echo, frame, SensitivityOf(data, at.group_db, window_));
+    const double shape_error = data.shape_error * *std::max_element(power.begin(), power.end());
+    for (const double variance : VarianceOf(window_, power, std::exp(frame.log_noise)))
+      weight_.push_back(1.0 / std::sqrt(at.inflation * (variance + shape_error * shape_error)));
+    set_num_residuals(static_cast<int>(weight_.size()) + 1);
+    std::vector<int>& sizes = *mutable_parameter_block_sizes();
+    sizes = {FrameEcho::kSize, PointEcho::kSize};
+    sizes.resize(sizes.size() + groups_.size(), 1);
   }
 
-  int count() const { return static_cast<int>(weight_.size()) + 1; }
-  const std::vector<int>& groups() const { return groups_; }
-
-  bool operator()(double const* const* parameters, double* residuals) const {
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     FrameEcho frame;
     std::copy_n(parameters[0], FrameEcho::kSize, frame.data());
     PointEcho echo;
     std::copy_n(parameters[1], PointEcho::kSize, echo.data());
     if (!(frame.range_m > 0.0)) return false;
-    std::vector<double> sensitivity_db;
-    if (groups_.empty()) {
-      sensitivity_db = SensitivityOf(data_, {}, window_);
-    } else {
-      for (std::size_t i = 0; i < window_.beam_azimuth_rad.size(); ++i) {
-        const int group = data_.group_of_beam[window_.first_beam + i];
-        const auto at = std::find(groups_.begin(), groups_.end(), group) - groups_.begin();
-        sensitivity_db.push_back(parameters[2 + at][0]);
-      }
-    }
-    const std::vector<double> power = EchoPowerOf(window_, data_.setting, echo, frame, sensitivity_db);
+    const std::vector<double> sensitivity_db = SensitivityAt(parameters);
+    const sim::AzimuthResponse<double> azimuth = AzimuthResponseOf(data_.setting, echo);
+    const auto power_at = [&](const PointEcho& of_echo, const sim::AzimuthResponse<double>& of_azimuth,
+                              const FrameEcho& of_frame) {
+      return EchoPowerOf(window_, data_.setting, of_echo, of_azimuth, of_frame, sensitivity_db);
+    };
+    const std::vector<double> power = power_at(echo, azimuth, frame);
     const double noise = std::exp(frame.log_noise);
     for (std::size_t i = 0; i < power.size(); ++i) {
       residuals[i] = (window_.power[i] - power[i] - noise) * weight_[i];
     }
     residuals[power.size()] = spread_db_ > 0.0 ? frame.level_offset_db / spread_db_ : 0.0;
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) {
+      Differences(frame, jacobians[0], [&](const FrameEcho& at) {
+        std::vector<double> mean = power_at(echo, azimuth, at);
+        for (double& value : mean) value += std::exp(at.log_noise);
+        return mean;
+      });
+      jacobians[0][power.size() * FrameEcho::kSize + 3] = spread_db_ > 0.0 ? 1.0 / spread_db_ : 0.0;
+    }
+    if (jacobians[1] != nullptr) {
+      Differences(echo, jacobians[1], [&](const PointEcho& at) {
+        const bool same_azimuth =
+            at.log_azimuth_width == echo.log_azimuth_width && at.azimuth_taper == echo.azimuth_taper;
+        return power_at(at, same_azimuth ? azimuth : AzimuthResponseOf(data_.setting, at), frame);
+      });
+    }
+    for (std::size_t group = 0; group < groups_.size(); ++group) {
+      if (jacobians[2 + group] == nullptr) continue;
+      for (std::size_t i = 0; i < power.size(); ++i) {
+        const std::size_t beam = i % window_.beam_azimuth_rad.size();
+        constexpr double kLogOfOneDb = 0.1 * std::numbers::ln10;
+        jacobians[2 + group][i] =
+            GroupOf(beam) == groups_[group] ? -kLogOfOneDb * power[i] * weight_[i] : 0.0;
+      }
+      jacobians[2 + group][power.size()] = 0.0;
+    }
     return true;
   }
 
  private:
+  int GroupOf(std::size_t beam) const { return data_.group_of_beam[window_.first_beam + beam]; }
+
+  std::vector<double> SensitivityAt(double const* const* parameters) const {
+    if (groups_.empty()) return SensitivityOf(data_, {}, window_);
+    std::vector<double> sensitivity_db;
+    for (std::size_t beam = 0; beam < window_.beam_azimuth_rad.size(); ++beam) {
+      const auto at = std::find(groups_.begin(), groups_.end(), GroupOf(beam)) - groups_.begin();
+      sensitivity_db.push_back(parameters[2 + at][0]);
+    }
+    return sensitivity_db;
+  }
+
+  // Derivatives of the pixels' residuals by the entries of `values`; `mean_of`: mean powers.
+  template <typename Values, typename Mean>
+  void Differences(const Values& values, double* jacobian, const Mean& mean_of) const {
+    for (int entry = 0; entry < Values::kSize; ++entry) {
+      constexpr double kRelativeStep = 1e-6;
+      const double step = kRelativeStep * std::max(1.0, std::abs(values.data()[entry]));
+      Values below = values;
+      Values above = values;
+      below.data()[entry] -= step;
+      above.data()[entry] += step;
+      const std::vector<double> mean_below = mean_of(below);
+      const std::vector<double> mean_above = mean_of(above);
+      for (std::size_t i = 0; i < weight_.size(); ++i) {
+        jacobian[i * Values::kSize + entry] = -weight_[i] * (mean_above[i] - mean_below[i]) / (2.0 * step);
+      }
+      jacobian[weight_.size() * Values::kSize + entry] = 0.0;
+    }
+  }
+
   const PointEchoData& data_;
   const EchoWindow& window_;
   std::vector<int> groups_;
   double spread_db_;
   std::vector<double> weight_;
 };
-
-using WindowCost = ceres::DynamicNumericDiffCostFunction<WindowResiduals, ceres::CENTRAL>;
-
-std::unique_ptr<WindowCost> MakeCost(const PointEchoData& data, const PointEchoSolution& at,
-                                     std::size_t index) {
-  auto residuals = std::make_unique<WindowResiduals>(data, data.windows[index], at, index);
-  const int count = residuals->count();
-  const auto groups = static_cast<int>(residuals->groups().size());
-  auto cost = std::make_unique<WindowCost>(residuals.release());
-  cost->AddParameterBlock(FrameEcho::kSize);
-  cost->AddParameterBlock(PointEcho::kSize);
-  for (int i = 0; i < groups; ++i) cost->AddParameterBlock(1);
-  cost->SetNumResiduals(count);
-  return cost;
-}
 
 std::vector<double*> BlocksOf(const PointEchoData& data, PointEchoSolution& state, std::size_t index) {
   std::vector<double*> blocks = {state.frames[index].data(), state.echo.data()};
@@ -125,13 +170,14 @@ ceres::Solver::Summary Solve(const PointEchoData& data, const PointEchoFree& fre
   ceres::Solver::Options options;
   options.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   const PointEchoSolution at = state;
+  std::vector<int> held;                                  // of a frame's values
+  if (data.shape_error > 0.0) held.push_back(2);          // the noise does not show
+  if (!(state.level_spread_db > 0.0)) held.push_back(3);  // without a spread of levels, its own level is 0
   for (std::size_t i = 0; i < data.windows.size(); ++i) {
-    problem.AddResidualBlock(MakeCost(data, at, i).release(), nullptr, BlocksOf(data, state, i));
+    problem.AddResidualBlock(new WindowCost(data, at, i), nullptr, BlocksOf(data, state, i));
     options.linear_solver_ordering->AddElementToGroup(state.frames[i].data(), 0);
-    // Without a spread of levels, a frame's own level is 0.
-    if (!(state.level_spread_db > 0.0)) {
-      problem.SetManifold(state.frames[i].data(), new ceres::SubsetManifold(FrameEcho::kSize, {3}));
-    }
+    if (!held.empty())
+      problem.SetManifold(state.frames[i].data(), new ceres::SubsetManifold(FrameEcho::kSize, held));
   }
   for (double& group : state.group_db) {
     problem.AddResidualBlock(
@@ -144,9 +190,10 @@ ceres::Solver::Summary Solve(const PointEchoData& data, const PointEchoFree& fre
   if (const std::vector<int> fixed = FixedEntries(free); !fixed.empty()) {
     problem.SetManifold(echo, new ceres::SubsetManifold(PointEcho::kSize, fixed));
   }
+  // Wider than what it may be, because a bound stops steps along the valley of taper and width.
   if (free.taper) {
-    problem.SetParameterLowerBound(echo, 2, 0.0);
-    problem.SetParameterUpperBound(echo, 2, 1.0);
+    problem.SetParameterLowerBound(echo, 2, -kTaperBeyond);
+    problem.SetParameterUpperBound(echo, 2, 1.0 + kTaperBeyond);
   }
   problem.SetParameterLowerBound(echo, 3, ShortestLogPulse(data.windows.front()));
   options.linear_solver_type = ceres::DENSE_SCHUR;
@@ -168,8 +215,8 @@ struct WindowSlopes {
 
 WindowSlopes SlopesOf(const PointEchoData& data, PointEchoSolution& state, std::size_t index) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto cost = MakeCost(data, state, index);
-  const int count = cost->num_residuals();
+  const WindowCost cost(data, state, index);
+  const int count = cost.num_residuals();
   const std::vector<int> groups = GroupsOf(data, data.windows[index]);
   std::vector<double*> blocks = BlocksOf(data, state, index);
   std::vector<RowMajor> slopes = {RowMajor(count, FrameEcho::kSize), RowMajor(count, PointEcho::kSize)};
@@ -178,7 +225,7 @@ WindowSlopes SlopesOf(const PointEchoData& data, PointEchoSolution& state, std::
   for (RowMajor& matrix : slopes) targets.push_back(matrix.data());
   WindowSlopes result;
   result.residual.resize(count);
-  cost->Evaluate(blocks.data(), result.residual.data(), targets.data());
+  cost.Evaluate(blocks.data(), result.residual.data(), targets.data());
   result.of_frame = slopes[0];
   result.of_shared = Eigen::MatrixXd::Zero(count, PointEcho::kSize + data.groups);
   result.of_shared.leftCols(PointEcho::kSize) = slopes[1];
@@ -331,7 +378,14 @@ PointEchoSolution FitPointEcho(const PointEchoData& data, const PointEchoFree& f
   for (int round = 0; round < kRounds; ++round) {
     const PointEcho before = state.echo;
     const double spread_before = state.level_spread_db;
-    const ceres::Solver::Summary summary = Solve(data, free, state);
+    ceres::Solver::Summary summary = Solve(data, free, state);
+    state.taper_at_bound = free.taper && (state.echo.azimuth_taper <= 0.0 || state.echo.azimuth_taper >= 1.0);
+    if (summary.IsSolutionUsable() && state.taper_at_bound) {
+      state.echo.azimuth_taper = std::clamp(state.echo.azimuth_taper, 0.0, 1.0);
+      PointEchoFree held = free;
+      held.taper = false;
+      summary = Solve(data, held, state);
+    }
     state.usable = summary.IsSolutionUsable();
     state.termination = ceres::TerminationTypeToString(summary.termination_type);
     state.iterations += static_cast<int>(summary.iterations.size());
@@ -340,8 +394,6 @@ PointEchoSolution FitPointEcho(const PointEchoData& data, const PointEchoFree& f
     if (!state.usable) return state;
     CentreGroups(state);
     constexpr double kAtBound = 1e-3;
-    state.taper_at_bound =
-        free.taper && (state.echo.azimuth_taper < kAtBound || state.echo.azimuth_taper > 1.0 - kAtBound);
     state.pulse_at_bound = state.echo.log_pulse < ShortestLogPulse(data.windows.front()) + kAtBound;
     const double inflation_before = state.inflation;
     const std::vector<double> own_variance = FindErrors(data, free, state);

@@ -107,7 +107,11 @@ class StandardTargetFitter {
     constexpr double kAnySpreadDb = 10.0;
     state_.free = {.taper = setting_.azimuth_pattern == AzimuthPattern::kAperture};
     state_.solution.level_spread_db = kAnySpreadDb;
-    state_.solution = FitPointEcho(state_.data, state_.free, state_.solution);
+    for (const double shape_error : {0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 0.0}) {
+      state_.data.shape_error = shape_error;
+      state_.solution = FitPointEcho(state_.data, state_.free, state_.solution);
+      if (!state_.solution.usable) return;
+    }
   }
 
   // Leaves out frames whose brightest echo is not the sphere.

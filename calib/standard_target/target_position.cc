@@ -171,7 +171,9 @@ TargetLocation LocateTarget(const std::vector<TargetSight>& sights, const SightT
   }
   std::optional<TargetPosition> position = locator.Refined(position_m);
   if (!position)
-    return {{}, "the poses differ too little to tell the elevation of the sphere within a degree"};
+    return {
+        {},
+        "the poses do not tell the elevation of the sphere within a degree (raise, lower or roll the sonar)"};
   return {std::move(position), {}};
 }
 

@@ -293,7 +293,10 @@ double AzimuthWidthRad(const SonarModel& sonar, const ParameterSet& parameters) 
 PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const DrawSeeds& seeds) {
   if (!(parameters.receiver.looks >= 1.0)) {
-    throw DataError("receiver.looks {}: a speckled image needs at least one look", parameters.receiver.looks);
+    throw DataError(
+        "receiver.looks {}: a speckled image needs at least one look, and texture (fewer looks) is not "
+        "simulated",
+        parameters.receiver.looks);
   }
   const PolarAxes& axes = geometry.sonar.axes;
   const LineArray array =

@@ -1,11 +1,15 @@
 // Speckle and its effect on the display.
 //
-// Speckle: the power of a pixel is P x with E[x] = 1. Two distributions of x, both of variance 1 / L:
+// Speckle: the power of a pixel is P x with E[x] = 1. Three distributions of x, all of variance 1 / L:
 //
 //   kGamma     Gamma with shape L: an average of L equal looks, L > 0 (L = 1: exponential)
 //   kWeighted  Average of unequal looks with the weights of `LooksAsWeights`, as in `SampleAcousticImage`.
 //              Closed form for 1 <= L <= 2:
 //              F(x) = 1 - (exp(-y) - w exp(-y / w)) / (1 - w), y = (1 + w) x; Gamma beyond.
+//   kK         Reverberation with texture: one look whose mean power is itself Gamma distributed, with shape
+//              nu = 2 L / (1 - L), for 0 < L < 1:
+//              F(x) = 1 - 2 (nu x)^(nu / 2) K_nu(2 sqrt(nu x)) / Gamma(nu) (Jakeman and Pusey 1976); Gamma
+//              from L = 1 on.
 //
 // Display: v increases with power, so P(displayed <= v) = F(PowerFromDisplay(v) / P). The mean displayed
 // value, clipped to 0..1, is the integral of 1 - P(displayed <= v) over 0..1.
@@ -24,16 +28,57 @@
 
 namespace sonarcal::sim {
 
-enum class SpeckleLaw { kGamma, kWeighted };
+enum class SpeckleLaw { kGamma, kWeighted, kK };
 constexpr auto WordsOf(std::type_identity<SpeckleLaw>) {
-  return Words<SpeckleLaw, 2>{{{"gamma", SpeckleLaw::kGamma}, {"weighted", SpeckleLaw::kWeighted}}};
+  return Words<SpeckleLaw, 3>{
+      {{"gamma", SpeckleLaw::kGamma}, {"weighted", SpeckleLaw::kWeighted}, {"k", SpeckleLaw::kK}}};
 }
 
-// P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1).
+namespace internal {
+
+// Survival and density of the K law of shape nu, ratio > 0.
+struct KLaw {
+  double survival = 0.0;
+  double density = 0.0;
+};
+
+inline KLaw KLawOfShape(double shape, double ratio) {
+  const double argument = 2.0 * std::sqrt(shape * ratio);
+  constexpr double kLargestArgument = 700.0;  // beyond, exp(-argument) is 0
+  if (argument > kLargestArgument) return {};
+  const double log_half = std::log(0.5 * argument);
+  const double log_gamma = std::lgamma(shape);
+  const double bessel = std::cyl_bessel_k(shape, argument);
+  // The first terms for small ratios, where the Bessel function overflows: only for large shapes.
+  if (!std::isfinite(bessel)) return {1.0 - ratio * shape / (shape - 1.0), shape / (shape - 1.0)};
+  return {.survival = 2.0 * std::exp(shape * log_half + std::log(bessel) - log_gamma),
+          .density = 2.0 * shape *
+                     std::exp((shape - 1.0) * log_half - log_gamma +
+                              std::log(std::cyl_bessel_k(std::abs(shape - 1.0), argument)))};
+}
+
+// The K law for 0 < looks < 1. Above the largest shape it is the mixture of that shape and of no texture which
+// has the variance of `looks`; so it is continuous up to looks = 1.
+inline KLaw KLawOf(double looks, double ratio) {
+  constexpr double kLargestShape = 50.0;
+  const double shape = 2.0 * looks / (1.0 - looks);
+  if (shape <= kLargestShape) return KLawOfShape(shape, ratio);
+  const KLaw textured = KLawOfShape(kLargestShape, ratio);
+  const double share = kLargestShape / shape;
+  const double plain = std::exp(-ratio);
+  return {.survival = std::lerp(plain, textured.survival, share),
+          .density = std::lerp(plain, textured.density, share)};
+}
+
+}  // namespace internal
+
+// P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1; kK: >= 0.05).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0)) return 0.0;
   if (!(ratio < 1e300)) return 1.0;
   if (looks == 1.0) return -std::expm1(-ratio);
+  if (law == SpeckleLaw::kK && looks < 1.0)
+    return std::clamp(1.0 - internal::KLawOf(looks, ratio).survival, 0.0, 1.0);
   if (law == SpeckleLaw::kWeighted && looks < 2.0) {
     const double w = LooksAsWeights(looks).second;
     const double y = (1.0 + w) * ratio;
@@ -50,6 +95,7 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
   if (!(ratio > 0.0)) return 1.0;
   if (!(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
+  if (law == SpeckleLaw::kK && looks < 1.0) return internal::KLawOf(looks, ratio).survival;
   if (law == SpeckleLaw::kWeighted && looks < 2.0) {
     const double w = LooksAsWeights(looks).second;
     const double y = (1.0 + w) * ratio;
@@ -63,6 +109,7 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
 inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0) || !(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
+  if (law == SpeckleLaw::kK && looks < 1.0) return internal::KLawOf(looks, ratio).density;
   if (law == SpeckleLaw::kWeighted && looks < 2.0) {
     const double w = LooksAsWeights(looks).second;
     const double y = (1.0 + w) * ratio;

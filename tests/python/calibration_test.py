@@ -96,7 +96,7 @@ def test_judge_noise_takes_window_and_speckle(noise):
     assert max(cell["range_m"][1] for cell in near.cells) <= 2.5
     speckle = json.loads((law.parent / "fit.json").read_text())["speckle"]
     assert near == sonarcal.judge_noise(pings, sonarcal.read_parameters(law), range_max=2.5, speckle=speckle)
-    with pytest.raises(sonarcal.UsageError, match="speckle 'grainy', expected gamma|weighted"):
+    with pytest.raises(sonarcal.UsageError, match="speckle 'grainy', expected gamma|weighted|k"):
         sonarcal.judge_noise(pings, law, speckle="grainy")
     with pytest.raises(sonarcal.DataError, match="frame 12 is to be judged, but there are frames 0 to 11"):
         sonarcal.judge_noise(pings, law, frames=[12])

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <utility>
 
 #include "calib/noise/background_display.h"
@@ -41,6 +42,8 @@ struct Source {
   MemoryRecording Draw(int pings, std::uint64_t seed) const {
     const PolarAxes& axes = info.sonar.axes;
     std::vector<Frame> frames;
+    std::mt19937_64 textures(seed);
+    const double shape = 2.0 * law.receiver.looks / (1.0 - law.receiver.looks);
     for (int ping = 0; ping < pings; ++ping) {
       const CounterRandom random(seed, static_cast<std::uint32_t>(ping));
       Frame frame{{}, {axes, info.scale, Grid<float>(axes.range_bins, kBeams)}};
@@ -48,9 +51,14 @@ struct Source {
         const int bin = static_cast<int>(i) / kBeams;
         const double mean =
             sim::NoisePower(law.receiver, axes.range_centre_m(bin), static_cast<int>(i) % kBeams, 0.0);
-        const auto [whole, last] = sim::LooksAsWeights(law.receiver.looks);
         const auto [u, v] = random.Uniform2(i);
-        const double power = mean * (-std::log(u) - last * std::log(v)) / (1.0 + last);
+        double power = mean * -std::log(u);
+        if (law.receiver.looks < 1.0) {
+          power *= std::gamma_distribution<double>(shape, 1.0 / shape)(textures);
+        } else {
+          const auto [whole, last] = sim::LooksAsWeights(law.receiver.looks);
+          power = mean * (-std::log(u) - last * std::log(v)) / (1.0 + last);
+        }
         const double value = std::clamp(sim::DisplayValue(law.display, power), 0.0, 1.0);
         frame.image.value.values()[i] = static_cast<float>(std::round(255.0 * value));
       }
@@ -96,8 +104,10 @@ NoiseCounts CountsOf(const MemoryRecording& recording, const NoiseCells& cells) 
 
 TEST(NoiseLikelihoodTest, ChancesAddUpToOneAndDerivativesAreTheirs) {
   for (NoiseLaw law : {TwoFloors(), Logarithm(1.4)}) {
-    for (const sim::SpeckleLaw speckle : {sim::SpeckleLaw::kGamma, sim::SpeckleLaw::kWeighted}) {
+    for (const sim::SpeckleLaw speckle :
+         {sim::SpeckleLaw::kGamma, sim::SpeckleLaw::kWeighted, sim::SpeckleLaw::kK}) {
       law.speckle = speckle;
+      if (speckle == sim::SpeckleLaw::kK) law.receiver.looks = 0.6;
       const GreyLevels grey(law, 255);
       const double power = 3.0;
       double sum = 0.0;
@@ -337,6 +347,29 @@ TEST(NoiseFitTest, LooksAreDeterminedIfTheSpanIsKnown) {
   const FittedParameter* looks = fit.report.Find("receiver.looks");
   ASSERT_TRUE(looks && looks->sigma);
   EXPECT_LT(std::abs(looks->value - 1.35), 4.0 * *looks->sigma);
+}
+
+TEST(NoiseFitTest, TextureOfReverberationIsFound) {
+  Source source(Logarithm(0.6));
+  source.info.scale.db_span = 80.0;
+  const NoiseFit fit = FitNoise(source.Draw(66, 2), {});
+  ASSERT_TRUE(fit.usable);
+  EXPECT_EQ(fit.law.speckle, sim::SpeckleLaw::kK);
+  EXPECT_LT(fit.judged.ks, 0.015);
+  const FittedParameter* looks = fit.report.Find("receiver.looks");
+  ASSERT_TRUE(looks && looks->sigma);
+  EXPECT_NEAR(looks->value, 0.6, 4.0 * *looks->sigma);
+  EXPECT_LT(*looks->sigma, 0.02);
+}
+
+TEST(NoiseFitTest, NoTextureIsFoundWhereThereIsNone) {
+  Source source(Logarithm(1.0));
+  source.info.scale.db_span = 80.0;
+  for (const std::uint64_t seed : {2, 3, 4}) {
+    const NoiseFit fit = FitNoise(source.Draw(30, seed), {});
+    ASSERT_TRUE(fit.usable);
+    EXPECT_NE(fit.law.speckle, sim::SpeckleLaw::kK);
+  }
 }
 
 TEST(NoiseFitTest, ParametersNotDeterminedByAShortWindowAreNamed) {

@@ -45,9 +45,70 @@ TEST(SpeckleTest, SurvivalKeepsItsDigitsInTheTail) {
   }
 }
 
+// Texture of shape nu = 1/2 and 3/2, for which the Bessel functions are elementary.
+TEST(SpeckleTest, KLawHasItsClosedForms) {
+  for (const double x : {1e-9, 1e-3, 0.1, 1.0, 3.0, 20.0}) {
+    const double half = 2.0 * std::sqrt(0.5 * x);
+    EXPECT_NEAR(SpeckleSurvival(0.2, x, SpeckleLaw::kK), std::exp(-half), 1e-12);
+    EXPECT_NEAR(SpeckleDensity(0.2, x, SpeckleLaw::kK) * half, std::exp(-half), 1e-12);
+    const double three = 2.0 * std::sqrt(1.5 * x);
+    EXPECT_NEAR(SpeckleSurvival(3.0 / 7.0, x, SpeckleLaw::kK), (1.0 + three) * std::exp(-three), 1e-12);
+    EXPECT_NEAR(SpeckleDensity(3.0 / 7.0, x, SpeckleLaw::kK), 3.0 * std::exp(-three), 1e-12);
+  }
+}
+
+// By numbers: the exponential law of a mean that is Gamma distributed, over the logarithm of the mean.
+TEST(SpeckleTest, KLawIsOneLookOfAGammaDistributedMean) {
+  for (const double looks : {0.25, 0.6, 0.9}) {
+    const double shape = 2.0 * looks / (1.0 - looks);
+    for (const double x : {1e-4, 0.3, 2.0, 9.0}) {
+      double survival = 0.0;
+      double density = 0.0;
+      constexpr double kStep = 2e-3;
+      for (double log_mean = -40.0; log_mean < 8.0; log_mean += kStep) {
+        const double mean = std::exp(log_mean);
+        const double weight =
+            kStep * std::exp(shape * (std::log(shape) + log_mean - mean) - std::lgamma(shape));
+        survival += weight * std::exp(-x / mean);
+        density += weight * std::exp(-x / mean) / mean;
+      }
+      EXPECT_NEAR(SpeckleSurvival(looks, x, SpeckleLaw::kK), survival, 1e-9);
+      EXPECT_NEAR(SpeckleCdf(looks, x, SpeckleLaw::kK), 1.0 - survival, 1e-9);
+      EXPECT_NEAR(SpeckleDensity(looks, x, SpeckleLaw::kK), density, 1e-8 * density + 1e-9);
+    }
+  }
+}
+
+TEST(SpeckleTest, KLawHasMeanOneItsVarianceAndNoStepAtOneLook) {
+  for (const double looks : {0.3, 0.7, 0.95, 0.97, 0.999}) {
+    double mean = 0.0;
+    double square = 0.0;
+    constexpr double kStep = 1e-3;
+    for (double x = 0.5 * kStep; x < 120.0; x += kStep) {
+      const double above = SpeckleSurvival(looks, x, SpeckleLaw::kK);
+      mean += kStep * above;
+      square += kStep * 2.0 * x * above;
+    }
+    EXPECT_NEAR(mean, 1.0, 1e-4) << looks;
+    EXPECT_NEAR(square - mean * mean, 1.0 / looks, 1e-3) << looks;
+  }
+  for (const double x : {1e-200, 1e-6, 0.5, 30.0, 1e4, 1e250}) {
+    EXPECT_NEAR(SpeckleCdf(1.0 - 1e-9, x, SpeckleLaw::kK), SpeckleCdf(1.0, x), 1e-7);
+    for (const double looks : {0.05, 0.961, 0.962, 0.99}) {
+      EXPECT_GE(SpeckleCdf(looks, x, SpeckleLaw::kK), 0.0);
+      EXPECT_LE(SpeckleCdf(looks, x, SpeckleLaw::kK), 1.0);
+      EXPECT_TRUE(std::isfinite(SpeckleDensity(looks, x, SpeckleLaw::kK)));
+    }
+  }
+  // Both sides of the largest shape, 50.
+  EXPECT_NEAR(SpeckleCdf(50.0 / 52.0 - 1e-9, 2.0, SpeckleLaw::kK),
+              SpeckleCdf(50.0 / 52.0 + 1e-9, 2.0, SpeckleLaw::kK), 1e-8);
+}
+
 TEST(SpeckleTest, DensityIsTheDerivative) {
-  for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted}) {
-    for (const double looks : {1.0, 1.35, 3.0}) {
+  for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted, SpeckleLaw::kK}) {
+    for (const double looks : {0.4, 1.0, 1.35, 3.0}) {
+      if (looks < 1.0 && law == SpeckleLaw::kWeighted) continue;
       for (const double x : {0.05, 0.8, 4.0}) {
         const double difference =
             (SpeckleCdf(looks, x + 1e-5, law) - SpeckleCdf(looks, x - 1e-5, law)) / 2e-5;
