@@ -88,6 +88,7 @@ LIBRARIES = {
     "Embree": (r"embree\d*/", r"sim/rays/embree_queries\.h"),
     "Embree behind its header": (r"sim/rays/embree_queries\.h", r"sim/rays/ray_caster\.cc"),
     "Ceres": (r"ceres/", r"calib/.*"),
+    "Boost": (r"boost/", r"sim/physics/k_law\.cc"),
     "tinygltf": (r"tiny_gltf\.h", r"data_io/scenes/scene_io\.cc"),
     "librosbag": (r"ros(bag)?/", r"data_io/(ros/ros1_bag|bag_writers/ros1_bag_writer)\.cc"),
     "libarchive": (r"archive(_entry)?\.h", r"data_io/.*/npz_writer\.cc"),

@@ -24,6 +24,7 @@
 #include "core/types/units.h"
 #include "core/types/words.h"
 #include "sim/physics/display.h"
+#include "sim/physics/k_law.h"
 #include "sim/physics/receiver.h"
 
 namespace sonarcal::sim {
@@ -34,51 +35,12 @@ constexpr auto WordsOf(std::type_identity<SpeckleLaw>) {
       {{"gamma", SpeckleLaw::kGamma}, {"weighted", SpeckleLaw::kWeighted}, {"k", SpeckleLaw::kK}}};
 }
 
-namespace internal {
-
-// Survival and density of the K law of shape nu, ratio > 0.
-struct KLaw {
-  double survival = 0.0;
-  double density = 0.0;
-};
-
-inline KLaw KLawOfShape(double shape, double ratio) {
-  const double argument = 2.0 * std::sqrt(shape * ratio);
-  constexpr double kLargestArgument = 700.0;  // beyond, exp(-argument) is 0
-  if (argument > kLargestArgument) return {};
-  const double log_half = std::log(0.5 * argument);
-  const double log_gamma = std::lgamma(shape);
-  const double bessel = std::cyl_bessel_k(shape, argument);
-  // The first terms for small ratios, where the Bessel function overflows: only for large shapes.
-  if (!std::isfinite(bessel)) return {1.0 - ratio * shape / (shape - 1.0), shape / (shape - 1.0)};
-  return {.survival = 2.0 * std::exp(shape * log_half + std::log(bessel) - log_gamma),
-          .density = 2.0 * shape *
-                     std::exp((shape - 1.0) * log_half - log_gamma +
-                              std::log(std::cyl_bessel_k(std::abs(shape - 1.0), argument)))};
-}
-
-// The K law for 0 < looks < 1. Above the largest shape it is the mixture of that shape and of no texture which
-// has the variance of `looks`; so it is continuous up to looks = 1.
-inline KLaw KLawOf(double looks, double ratio) {
-  constexpr double kLargestShape = 50.0;
-  const double shape = 2.0 * looks / (1.0 - looks);
-  if (shape <= kLargestShape) return KLawOfShape(shape, ratio);
-  const KLaw textured = KLawOfShape(kLargestShape, ratio);
-  const double share = kLargestShape / shape;
-  const double plain = std::exp(-ratio);
-  return {.survival = std::lerp(plain, textured.survival, share),
-          .density = std::lerp(plain, textured.density, share)};
-}
-
-}  // namespace internal
-
 // P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1; kK: >= 0.05).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0)) return 0.0;
   if (!(ratio < 1e300)) return 1.0;
   if (looks == 1.0) return -std::expm1(-ratio);
-  if (law == SpeckleLaw::kK && looks < 1.0)
-    return std::clamp(1.0 - internal::KLawOf(looks, ratio).survival, 0.0, 1.0);
+  if (law == SpeckleLaw::kK && looks < 1.0) return std::clamp(1.0 - KLawSurvival(looks, ratio), 0.0, 1.0);
   if (law == SpeckleLaw::kWeighted && looks < 2.0) {
     const double w = LooksAsWeights(looks).second;
     const double y = (1.0 + w) * ratio;
@@ -95,7 +57,7 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
   if (!(ratio > 0.0)) return 1.0;
   if (!(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
-  if (law == SpeckleLaw::kK && looks < 1.0) return internal::KLawOf(looks, ratio).survival;
+  if (law == SpeckleLaw::kK && looks < 1.0) return KLawSurvival(looks, ratio);
   if (law == SpeckleLaw::kWeighted && looks < 2.0) {
     const double w = LooksAsWeights(looks).second;
     const double y = (1.0 + w) * ratio;
@@ -109,7 +71,7 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
 inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0) || !(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
-  if (law == SpeckleLaw::kK && looks < 1.0) return internal::KLawOf(looks, ratio).density;
+  if (law == SpeckleLaw::kK && looks < 1.0) return KLawDensity(looks, ratio);
   if (law == SpeckleLaw::kWeighted && looks < 2.0) {
     const double w = LooksAsWeights(looks).second;
     const double y = (1.0 + w) * ratio;

@@ -52,6 +52,14 @@ class StandardTargetFitTest : public ::testing::Test {
     recording_.cross_section_m2 = PowerFromDb(TruthStrengthDb());
   }
 
+  // A fifth of the ranges, for spheres near 3 m.
+  void RecordShortRanges() {
+    PolarAxes& axes = recording_.sonar.axes;
+    axes.range_min_m = 2.8;
+    axes.range_max_m = 3.5;
+    axes.range_bins = 140;
+  }
+
   double TruthStrengthDb() const {
     return StrengthOfSphere(options_.sphere, recording_.sonar, water_, recording_.truth.pulse.length_m).db;
   }
@@ -116,6 +124,7 @@ class StandardTargetFitTest : public ::testing::Test {
 };
 
 TEST_F(StandardTargetFitTest, FixedSphereGivesLevelAndResponses) {
+  RecordShortRanges();
   PlaceSphere(20, 3.0, 3.3, 0.5, 0.0);
   const StandardTargetFit fit = Fit();
   ASSERT_TRUE(fit.usable);
@@ -176,6 +185,7 @@ TEST_F(StandardTargetFitTest, MovedSphereGivesBeamsElevationAndGainWithRange) {
 
 // Over many recordings, errors are as large as their standard errors say.
 TEST_F(StandardTargetFitTest, StandardErrorsHold) {
+  RecordShortRanges();
   std::vector<double> level;
   std::vector<double> width;
   std::vector<double> pulse;
@@ -211,6 +221,7 @@ TEST_F(StandardTargetFitTest, StandardErrorsHold) {
 }
 
 TEST_F(StandardTargetFitTest, ClippedMissingAndOddSpheresAreLeftOutAndSaidSo) {
+  RecordShortRanges();
   PlaceSphere(12, 3.0, 3.3, 0.5, 0.0);
   recording_.level_change_db = std::vector<double>(12, 0.0);
   recording_.level_change_db[2] = 50.0;
