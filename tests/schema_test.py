@@ -32,6 +32,8 @@ PAGES = {
     "fit_config": "fit_config.md",
     "metrics": "metrics_json.md",
     "fit": "fit_json.md",
+    "materials": "materials.md",
+    "transfer": "transfer_json.md",
 }
 SCHEMAS = {
     f"{name}.schema.json": json.loads((REFERENCE / "schemas" / f"{name}.schema.json").read_text(encoding="utf-8"))
@@ -44,6 +46,8 @@ BY_FORMAT = {
     "sonar-fit-config/1": "fit_config",
     "sonar-metrics/1": "metrics",
     "sonar-fit/1": "fit",
+    "sonar-materials/1": "materials",
+    "sonar-transfer/1": "transfer",
 }
 WITHOUT_SCHEMA = {"sonarcal-provenance/1"}
 REMOVED = object()
@@ -149,7 +153,21 @@ FIT_CONFIG = {
     "held_out": [3],
     "used": [0, 1, 2],
 }
-COMPLETE = {"params": PARAMS, "recording": RECORDING, "poses": POSES, "fit_config": FIT_CONFIG}
+MATERIALS = {"format": "sonar-materials/1", "materials": {"tank floor": {
+    "model": "acoustic",
+    "frequency_hz": [700000, 900000],
+    "level_db": 200,
+    "gsab": {
+        **{key: {"centre": centre, "factor": 1.2} for key, centre in GSAB.items()},
+        "D": {"centre": 1.8, "sigma": 0.1},
+    },
+    "source": "fit to the recording tank",
+    "comment": "a sentence",
+    "origin": {"recording": "tank", "synthetic": True, "program": "sonarcal 0.1.0"},
+}}}
+COMPLETE = {
+    "params": PARAMS, "recording": RECORDING, "poses": POSES, "fit_config": FIT_CONFIG, "materials": MATERIALS,
+}
 
 # Further documents that schema and reader accept: changes of the complete one.
 ACCEPTED = {
@@ -193,6 +211,13 @@ ACCEPTED = {
         {"pose_prior.position_m": None, "pose_prior.angle_deg": None, "held_out": [0.0]},
         {"priors": {"materials": "none", "jitter.*": [0, 1e-9]}},
     ],
+    "materials": [
+        {"materials": {}},
+        {f"materials.tank floor.{key}": REMOVED for key in ("level_db", "comment", "origin")},
+        {f"materials.tank floor.{key}": None for key in ("level_db", "comment", "origin")},
+        {"materials.tank floor.model": "paper", "materials.tank floor.level_db": -1e9},
+        {"materials.tank floor.frequency_hz": [900000, 900000], "materials.tank floor.gsab.D.centre": 0},
+    ],
 }
 
 # What the complete documents need where all numbers stand at their lower or upper limits: relations must
@@ -225,6 +250,8 @@ AT_LIMITS = {
     },
     ("fit_config", "lower"): {},
     ("fit_config", "upper"): {},
+    ("materials", "lower"): {},
+    ("materials", "upper"): {},
 }
 
 # Relations between values, which no schema states: the reader alone refuses them.
@@ -245,6 +272,10 @@ RELATIONS = {
     ],
     "poses": [{"poses.0.world_from_sonar.quaternion_wxyz": [0.9, 0, 0, 0]}],
     "fit_config": [{"bounds": {"noise": [2, 1]}}],
+    "materials": [
+        {"materials.tank floor.frequency_hz": [900000, 700000]},
+        {"materials": {"sand:medium": MATERIALS["materials"]["tank floor"]}},
+    ],
 }
 
 # Further damage that both refuse: rules that depend on another value, and words with a meaning of their own.
@@ -262,6 +293,10 @@ REFUSED = {
     ],
     "poses": [],
     "fit_config": [{"priors": {"noise": [1, 0]}}, {"priors": {"noise": None}}, {"bounds": {"noise": [1, None]}}],
+    "materials": [
+        {"materials.tank floor.gsab.A": {"centre": 0.1, "sigma": 0.1}},
+        {"materials.tank floor.gsab.D": {"centre": 2, "factor": 1.1}},
+    ],
 }
 
 
@@ -511,6 +546,7 @@ class World:
         run("convert recorded --frames 0:2 --out converted")
         self.compare()
         self.fit()
+        self.transfer()
 
     def compare(self):
         """Files metrics.json with all that they may hold."""
@@ -538,6 +574,25 @@ class World:
         run(f"fit --real empty {paper} --rays 24x8 --out unusable", status=3)
         run("compare --real frozen --sim frozen --frames 0:1 --pictures 0 --segmentation likelihood_ratio "
             "--background-params noise/params.json --out likelihood_ratio")
+
+    def transfer(self):
+        """Files transfer.json, with intervals and without. Masks are bright where only the mock-up echoes."""
+        curve = {"A": 0, "B_deg": 4, "C": 0, "D": 1, "E": 0, "F_deg": 10}
+        self.write("mask.json", {
+            "format": "sonar-parameters/1",
+            "model": "paper",
+            "display": {"db_min": 0, "db_max": 1},
+            "materials": {"default": {"gsab": curve}, "mockup": {"gsab": {**curve, "C": 100}}},
+        })
+        run = self.run
+        world = "--scene paper/tank.gltf --sonar sonar.json --poses paper/poses_tank.json --rays 48x40"
+        run(f"simulate {world} --params paper/params.json --noise --seed 2 --out trained")
+        run(f"simulate {world} --params mask.json --expected --out masks")
+        for name in ("recorded", "masks"):
+            run(f"convert {name} --frames 0:2 --out two_{name}")
+        run("transfer --train trained --object mockup --test recorded --test-masks masks --out transferred")
+        run("transfer --train trained --object mockup --test two_recorded --test-masks two_masks --out transferred_two")
+        run("export --to materials --fit fitted/fit.json --recording recorded --out exported.json")
 
     def check_written(self):
         """Validates every JSON file in the folder. Returns how many there were of each schema."""
@@ -644,6 +699,29 @@ def check_fit_schema(world):
         assert validator.is_valid(changed(document, changes)) == accepted, changes
 
 
+def check_transfer_schema(world):
+    """transfer.json is read by no reader: damaged documents are refused by the schema alone."""
+    document = world.read("transferred/transfer.json")
+    two = world.read("transferred_two/transfer.json")
+    assert document["difference"]["iou"]["ci"] and two["difference"]["iou"]["ci"] is None, "with and without intervals"
+    validator = validator_of("transfer")
+    for changes in (
+        {"format": "sonar-transfer/2"},
+        {"training": "trained"},
+        {"test_frames": 1},
+        {"object_share": 1.5},
+        {"difference": REMOVED},
+        {"trained_on_training.iou": 0.5},
+        {"trained_on_training.iou.value": -0.1},
+        {"trained_on_test_blocks.recall.ci": [0.1]},
+        {"difference.precision.ci": REMOVED},
+        {"difference.precision.value": -1},
+        {"later": 1},
+    ):
+        accepted = changes in ({"difference.precision.value": -1}, {"later": 1})
+        assert validator.is_valid(changed(document, changes)) == accepted, changes
+
+
 def main():
     """The test."""
     check_pages()
@@ -653,6 +731,7 @@ def main():
         counts = world.check_written()
         assert all(counts.values()), counts
         check_fit_schema(world)
+        check_transfer_schema(world)
         read = world.check_readers()
     print("ok:", ", ".join(f"{count} {name}" for name, count in counts.items()), f"written; {read} read")
 

@@ -1,7 +1,7 @@
 // Reads JSON documents by the readers of the program, many in one process. Prints the sentence of each
 // refusal, which begins with the file.
 //
-//   sonarcal_read_documents params|fit_config|poses FILE...
+//   sonarcal_read_documents params|fit_config|poses|materials FILE...
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -10,6 +10,7 @@
 
 #include "calib/parameters/fit_config.h"
 #include "core/types/error.h"
+#include "data_io/parameters/materials_io.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
 
@@ -18,10 +19,11 @@ int main(int argc, char** argv) {
   const std::map<std::string, std::function<void(const std::filesystem::path&)>> readers = {
       {"params", [](const auto& file) { sonarcal::data_io::ReadParameters(file); }},
       {"fit_config", [](const auto& file) { sonarcal::calib::ReadFitConfig(file); }},
-      {"poses", [](const auto& file) { sonarcal::data_io::ReadPosesOrRecording(file); }}};
+      {"poses", [](const auto& file) { sonarcal::data_io::ReadPosesOrRecording(file); }},
+      {"materials", [](const auto& file) { sonarcal::data_io::ReadMaterials(file); }}};
   const auto reader = argc > 1 ? readers.find(argv[1]) : readers.end();
   if (reader == readers.end()) {
-    std::fprintf(stderr, "usage: %s params|fit_config|poses FILE...\n", argv[0]);
+    std::fprintf(stderr, "usage: %s params|fit_config|poses|materials FILE...\n", argv[0]);
     return 2;
   }
   for (int i = 2; i < argc; ++i) {
