@@ -61,6 +61,7 @@ PARAMS = {
     "format": "sonar-parameters/1",
     "model": "acoustic",
     "source_level_db": 200,
+    "source_level_sigma_db": 0.5,
     "noise_level_db": 0,
     "array_gain_db": 0,
     "display": {"db_min": 60, "db_max": 120, "law": "log", "soft_db": 0, "exponent": 1},
