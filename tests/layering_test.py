@@ -64,6 +64,7 @@ FOLDERS = [
     "apps/report/html",
     "apps/report/pictures",
     "apps/report/sections",
+    "apps/report/detection",
     "apps/export",
     "apps/cli/documentation",
     "apps/cli",

@@ -332,6 +332,14 @@ def _locate(
 def _explain(
     recording: Recording, scene: Scene, params: Parameters, options: ExplainOptions, progress: _Progress, say: _Say
 ) -> tuple[dict[str, Any], dict[str, Any], list[CauseMap]]: ...
+def _transfer(
+    training: Sequence[Recording],
+    training_masks: Sequence[Recording],
+    test: Sequence[Recording],
+    test_masks: Sequence[Recording],
+    options: TransferOptions,
+    progress: _Progress,
+) -> dict[str, Any]: ...
 def _segment(image: Image, options: ComparisonOptions) -> NDArray[np.uint8]: ...
 def _frames(text: str, frame_count: int) -> list[int]: ...
 def _residual_view(

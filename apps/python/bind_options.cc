@@ -13,6 +13,7 @@
 #include "apps/workflow/locate.h"
 #include "apps/workflow/noise/judge_noise.h"
 #include "apps/workflow/simulate.h"
+#include "apps/workflow/task/recording_transfer.h"
 
 namespace sonarcal::python {
 namespace {
@@ -33,7 +34,7 @@ void AddFlags(std::set<std::string>& names) {
 }
 
 std::set<std::string> KeywordNames() {
-  std::set<std::string> names = {"frames", "scene"};
+  std::set<std::string> names = {"frames", "scene", "train_masks", "test_masks"};
   AddFlags<workflow::SimulateOptions>(names);
   AddFlags<workflow::CompareOptions>(names);
   AddFlags<workflow::FitOptions>(names);
@@ -41,6 +42,7 @@ std::set<std::string> KeywordNames() {
   AddFlags<workflow::CalibrateOptions>(names);
   AddFlags<workflow::JudgeNoiseOptions>(names);
   AddFlags<workflow::LocateOptions>(names);
+  AddFlags<workflow::TransferOptions>(names);
   return names;
 }
 
@@ -102,6 +104,7 @@ void BindAllOptions(py::module_& module) {
   BindOptions<workflow::JudgeNoiseOptions>(module, "JudgeNoiseOptions", "Options of judge_noise().");
   BindOptions<workflow::LocateOptions>(module, "LocateOptions", "Options of locate().");
   BindOptions<workflow::ExplainOptions>(module, "ExplainOptions", "Options of explain().");
+  BindOptions<workflow::TransferOptions>(module, "TransferOptions", "Options of transfer().");
 }
 
 }  // namespace sonarcal::python

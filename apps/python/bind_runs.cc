@@ -11,12 +11,14 @@
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
 #include "apps/python/json_objects.h"
+#include "apps/report/detection/transfer_section.h"
 #include "apps/report/sections/explain_section.h"
 #include "apps/workflow/compare.h"
 #include "apps/workflow/explain.h"
 #include "apps/workflow/fit.h"
 #include "apps/workflow/locate.h"
 #include "apps/workflow/simulate.h"
+#include "apps/workflow/task/recording_transfer.h"
 #include "core/types/frame_list.h"
 #include "data_io/pose_io.h"
 #include "metrics/json/metrics_json.h"
@@ -124,6 +126,31 @@ py::tuple Explain(const RecordingSource& recording, const Scene& scene, const Pa
                         std::move(explained.maps));
 }
 
+std::vector<const RecordingSource*> Pointers(const std::vector<Recording>& recordings) {
+  std::vector<const RecordingSource*> pointers;
+  for (const Recording& recording : recordings) pointers.push_back(recording.get());
+  return pointers;
+}
+
+py::object Transfer(const std::vector<Recording>& training, const std::vector<Recording>& training_masks,
+                    const std::vector<Recording>& test, const std::vector<Recording>& test_masks,
+                    const workflow::TransferOptions& options, py::object progress) {
+  Listener listener(std::move(progress), py::none());
+  std::string figures;
+  {
+    const py::gil_scoped_release release;
+    const workflow::RecordingTransfer result = listener.Run([&](const workflow::Listener& task) {
+      return workflow::Transfer({.training = Pointers(training),
+                                 .training_masks = Pointers(training_masks),
+                                 .test = Pointers(test),
+                                 .test_masks = Pointers(test_masks)},
+                                options, task);
+    });
+    figures = report::TransferJson(result).dump();
+  }
+  return ObjectFromJson(figures);
+}
+
 py::array SegmentImage(const PolarImage& image, const workflow::ComparisonOptions& options) {
   metrics::Segmentation found;
   {
@@ -216,6 +243,8 @@ void BindRuns(py::module_& module) {
              py::arg("options"), py::arg("start"), py::arg("progress"), py::arg("say"));
   module.def("_explain", &Explain, py::arg("recording"), py::arg("scene"), py::arg("params"),
              py::arg("options"), py::arg("progress"), py::arg("say"));
+  module.def("_transfer", &Transfer, py::arg("training"), py::arg("training_masks"), py::arg("test"),
+             py::arg("test_masks"), py::arg("options"), py::arg("progress"));
   module.def("_segment", &SegmentImage, py::arg("image"), py::arg("options"));
   module.def(
       "_frames",

@@ -11,7 +11,7 @@ void BindScene(pybind11::module_& module);        // Scene, read_scene, environm
 void BindRecording(pybind11::module_& module);    // Frame, Recording, open_recording, poses
 void BindParameters(pybind11::module_& module);   // Parameters
 void BindAllOptions(pybind11::module_& module);   // FitOptions and the like
-void BindRuns(pybind11::module_& module);         // simulate, compare, fit, explain, segment
+void BindRuns(pybind11::module_& module);         // simulate, compare, fit, explain, segment, transfer
 void BindCalibration(pybind11::module_& module);  // calibrate, judge_noise
 void BindResiduals(pybind11::module_& module);    // ResidualView
 void BindReproduce(pybind11::module_& module);    // the paper's tank, and the bomb with what is known of it

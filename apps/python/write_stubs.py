@@ -10,7 +10,7 @@ import pathlib
 import sys
 
 CLASSES = ["RayOptions", "ComparisonOptions", "SimulateOptions", "CompareOptions", "FitOptions", "LocateOptions",
-           "ExplainOptions", "CalibrateOptions", "JudgeNoiseOptions"]
+           "ExplainOptions", "CalibrateOptions", "JudgeNoiseOptions", "TransferOptions"]
 
 
 def stub(name, options):

@@ -10,6 +10,10 @@ std::optional<double> Share(std::int64_t part, std::int64_t of) {
   return static_cast<double>(part) / static_cast<double>(of);
 }
 
+int ClassOf(float score) {
+  return std::clamp(static_cast<int>(score * kScoreClasses), 0, kScoreClasses - 1);
+}
+
 }  // namespace
 
 std::optional<double> Detection::precision() const {
@@ -79,6 +83,25 @@ int ScoreCounts::BestClass() const {
   return best;
 }
 
+PrecisionRecall ScoreCounts::Curve() const {
+  PrecisionRecall curve;
+  const Detection all = From(0);
+  if (all.true_positives == 0) return curve;
+  std::int64_t found = 0;
+  std::int64_t detected = 0;
+  for (int i = kScoreClasses - 1; i >= 0; --i) {
+    if (object[i] + other[i] == 0) continue;
+    found += object[i];
+    detected += object[i] + other[i];
+    const double recall = static_cast<double>(found) / static_cast<double>(all.true_positives);
+    const bool is_last = detected == all.true_positives + all.false_positives;
+    if (!curve.recall.empty() && recall < curve.recall.back() + kRecallStep && !is_last) continue;
+    curve.recall.push_back(recall);
+    curve.precision.push_back(static_cast<double>(found) / static_cast<double>(detected));
+  }
+  return curve;
+}
+
 ScoreCounts& ScoreCounts::operator+=(const ScoreCounts& counts) {
   for (int i = 0; i < kScoreClasses; ++i) {
     object[i] += counts.object[i];
@@ -90,10 +113,17 @@ ScoreCounts& ScoreCounts::operator+=(const ScoreCounts& counts) {
 ScoreCounts CountScores(const Grid<float>& score, const Mask& object) {
   ScoreCounts counts;
   for (std::size_t i = 0; i < score.size(); ++i) {
-    const int in = std::clamp(static_cast<int>(score.values()[i] * kScoreClasses), 0, kScoreClasses - 1);
-    ++(object.values()[i] != 0 ? counts.object : counts.other)[in];
+    ++(object.values()[i] != 0 ? counts.object : counts.other)[ClassOf(score.values()[i])];
   }
   return counts;
+}
+
+Mask DetectedFrom(const Grid<float>& score, int lowest_class) {
+  Mask detected(score.rows(), score.cols());
+  std::ranges::transform(score.values(), detected.values().begin(), [lowest_class](float value) {
+    return std::uint8_t{ClassOf(value) >= lowest_class};
+  });
+  return detected;
 }
 
 }  // namespace sonarcal::metrics

@@ -30,9 +30,18 @@ TrainedDetector Train(const std::vector<const LabelledFrame*>& frames) {
   return trained;
 }
 
-TestedFrame Test(const TrainedDetector& trained, const LabelledFrame& frame) {
-  const ScoreCounts scores = CountScores(trained.detector.Score(frame), frame.object);
+// `detected` receives the pixels found; null: not wanted.
+TestedFrame Test(const TrainedDetector& trained, const LabelledFrame& frame, Mask* detected) {
+  const Grid<float> score = trained.detector.Score(frame);
+  const ScoreCounts scores = CountScores(score, frame.object);
+  if (detected != nullptr) *detected = DetectedFrom(score, trained.lowest_class);
   return {.scores = scores, .detection = scores.From(trained.lowest_class)};
+}
+
+ScoreCounts Pooled(const std::vector<TestedFrame>& frames) {
+  ScoreCounts pooled;
+  for (const TestedFrame& frame : frames) pooled += frame.scores;
+  return pooled;
 }
 
 using Values = std::array<std::optional<double>, 4>;
@@ -75,6 +84,7 @@ struct DrawnValues {
 }  // namespace
 
 Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::vector<LabelledFrame>& test,
+                         const std::vector<int>& shown,
                          const std::function<void(int done, int total)>& progress) {
   const int count = static_cast<int>(test.size());
   if (count < 2) throw DataError("{} test frames, expected 2 or more: one to train on, one to test", count);
@@ -82,6 +92,11 @@ Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::
   transfer.training_frames = static_cast<int>(training.size());
   transfer.test_frames = count;
   transfer.blocks = std::min(kTransferBlocks, count);
+  for (const int frame : shown) transfer.shown.push_back({.frame = frame});
+  const auto shown_at = [&](int frame, Mask ShownDetection::*mask) -> Mask* {
+    const auto found = std::ranges::find(transfer.shown, frame, &ShownDetection::frame);
+    return found == transfer.shown.end() ? nullptr : &((*found).*mask);
+  };
   int done = 0;
   const auto report = [&] {
     if (progress) progress(++done, transfer.blocks + 1);
@@ -91,7 +106,8 @@ Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::
   for (const LabelledFrame& frame : training) of_training.push_back(&frame);
   const TrainedDetector by_training = Train(of_training);
   std::vector<TestedFrame> simulated;
-  for (const LabelledFrame& frame : test) simulated.push_back(Test(by_training, frame));
+  for (int i = 0; i < count; ++i)
+    simulated.push_back(Test(by_training, test[i], shown_at(i, &ShownDetection::by_simulated)));
   report();
 
   std::vector<TestedFrame> reference;
@@ -103,7 +119,8 @@ Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::
       if (i < begin || i >= end) others.push_back(&test[i]);
     }
     const TrainedDetector by_others = Train(others);
-    for (int i = begin; i < end; ++i) reference.push_back(Test(by_others, test[i]));
+    for (int i = begin; i < end; ++i)
+      reference.push_back(Test(by_others, test[i], shown_at(i, &ShownDetection::by_reference)));
     report();
   }
 
@@ -119,9 +136,14 @@ Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::
     of_reference.draws.push_back(ValuesOf(reference, indices));
     of_difference.draws.push_back(Difference(of_simulated.draws.back(), of_reference.draws.back()));
   }
-  ScoreCounts scores;
-  for (const TestedFrame& frame : simulated) scores += frame.scores;
+  const ScoreCounts scores = Pooled(simulated);
   transfer.object_share = scores.object_share();
+  transfer.simulated_curve = scores.Curve();
+  transfer.reference_curve = Pooled(reference).Curve();
+  for (ShownDetection& each : transfer.shown) {
+    each.of_simulated = simulated[each.frame].detection;
+    each.of_reference = reference[each.frame].detection;
+  }
   transfer.simulated = of_simulated.Figures();
   transfer.reference = of_reference.Figures();
   transfer.difference = of_difference.Figures();

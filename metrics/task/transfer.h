@@ -36,6 +36,15 @@ struct DetectorFigures {
   TransferFigure recall;
 };
 
+// Test frame with the pixels that each detector finds.
+struct ShownDetection {
+  int frame = 0;  // number among the test frames
+  Mask by_simulated = {};
+  Mask by_reference = {};
+  Detection of_simulated = {};
+  Detection of_reference = {};
+};
+
 struct Transfer {
   int training_frames = 0;
   int test_frames = 0;
@@ -45,11 +54,15 @@ struct Transfer {
   DetectorFigures reference;  // trained on other test frames
   // simulated - reference; 0 or more: the training frames serve as well as recorded ones
   DetectorFigures difference;
+  PrecisionRecall simulated_curve;
+  PrecisionRecall reference_curve;
+  std::vector<ShownDetection> shown;
 };
 
-// Throws DataError if there are fewer than two test frames or if a detector cannot be trained. `progress` may
-// be empty.
+// Throws DataError if there are fewer than two test frames or if a detector cannot be trained. `shown`: test
+// frames whose detected pixels are kept, in rising order. `progress` may be empty.
 Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::vector<LabelledFrame>& test,
+                         const std::vector<int>& shown = {},
                          const std::function<void(int done, int total)>& progress = {});
 
 }  // namespace sonarcal::metrics

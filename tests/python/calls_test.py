@@ -89,6 +89,12 @@ def calibrate(world, **options):
     return sonarcal.calibrate(recording, world.scene, rays="48x100", **options)
 
 
+def transfer(recorded, **options):
+    real = sonarcal.open_recording(recorded)
+    masks = sonarcal.recording([sonarcal.segment(frame.image) * 255.0 for frame in real], real.sonar)
+    return sonarcal.transfer(real, real, masks, train_masks=masks, **options)
+
+
 RUNS = {
     "simulate": ("Simulating", lambda w, r, s, f, p: w.simulate(progress=p)),
     "compare": ("Comparing", lambda w, r, s, f, p: sonarcal.compare(r, s, progress=p)),
@@ -98,6 +104,7 @@ RUNS = {
     "explain": ("Fitting", lambda w, r, s, f, p: explain(w, progress=p)),
     "calibrate": ("Fitting", lambda w, r, s, f, p: calibrate(w, progress=p)),
     "judge_noise": ("Judging", lambda w, r, s, f, p: sonarcal.judge_noise(r, ACOUSTIC, progress=p)),
+    "transfer": ("Training", lambda w, r, s, f, p: transfer(r, progress=p)),
     "residual_view": ("Tracing", lambda w, r, s, f, p: sonarcal.residual_view(r, w.scene, PARAMETERS, progress=p)),
 }
 

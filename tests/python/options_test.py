@@ -12,7 +12,7 @@ from conftest import ACOUSTIC, PARAMETERS
 
 CLASSES = [sonarcal.RayOptions, sonarcal.ComparisonOptions, sonarcal.SimulateOptions, sonarcal.CompareOptions,
            sonarcal.FitOptions, sonarcal.ExplainOptions, sonarcal.LocateOptions, sonarcal.CalibrateOptions,
-           sonarcal.JudgeNoiseOptions]
+           sonarcal.JudgeNoiseOptions, sonarcal.TransferOptions]
 
 
 @pytest.mark.parametrize("cls", CLASSES)
@@ -31,7 +31,7 @@ def test_every_option_has_attribute_docstring_and_default(cls):
 
 @pytest.mark.parametrize("cls", CLASSES)
 def test_a_dict_of_all_options_makes_them_again(cls):
-    some = {"rays": (40, 30), "cell": (3, 1), "region_range": (1, 2), "range_min": 1.5}
+    some = {"rays": (40, 30), "cell": (3, 1), "region_range": (1, 2), "range_min": 1.5, "object": "box"}
     changed = cls(**{name: value for name, value in some.items() if hasattr(cls, name)})
     assert changed != cls() and cls(changed.to_dict()) == changed and cls(changed) == changed
     assert changed.to_dict().keys() == {option["name"] for option in cls.describe()}

@@ -87,6 +87,7 @@ FUNCTIONS_OF = {
     "judge-noise": (sonarcal.judge_noise, sonarcal.JudgeNoiseOptions, {"frames", "progress"}),
     "locate": (sonarcal.locate, sonarcal.LocateOptions, {"frame", "poses", "progress"}),
     "explain": (sonarcal.explain, sonarcal.ExplainOptions, {"progress"}),
+    "transfer": (sonarcal.transfer, sonarcal.TransferOptions, {"train_masks", "progress"}),
 }
 
 # Options of the commands that are other things in Python: positional arguments, files, terminal output,
@@ -101,6 +102,7 @@ ELSEWHERE = {
     "judge-noise": {"params", "real", "out", "force"},
     "locate": {"real", "target", "scene-unit", "scene-up", "out", "force"},
     "explain": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "out", "force", "known", "recordings", "apart"},
+    "transfer": {"train", "test", "test-masks", "out", "force"},
 }
 TERMINAL = {"help", "json", "quiet", "verbose", "log", "options"}
 

@@ -6,8 +6,8 @@
     recording = sonarcal.simulate(scene, "p900-45", sonarcal.environment_parameters(), sonarcal.viewpoints("tank"))
     recording[0].image.value                       # NumPy array, range bins x beams
 
-simulate(), compare(), calibrate(), fit(), judge_noise(), locate() and explain() do what the commands of `sonarcal`
-do. Their options are keyword arguments with the names, units and defaults of the commands ("-" as "_");
+simulate(), compare(), calibrate(), fit(), judge_noise(), locate(), explain() and transfer() do what the commands of
+`sonarcal` do. Their options are keyword arguments with the names, units and defaults of the commands ("-" as "_");
 help(sonarcal.fit) lists them. They also take an options object such as FitOptions, or a dict. Angles are in degrees
 and levels in dB; arrays named `_rad` are in radians.
 
@@ -27,7 +27,16 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Se
 import numpy as np
 
 from . import _sonarcal
-from ._results import Calibration, Comparison, Explanation, FitResult, Location, NoiseJudgement, TankReproduction
+from ._results import (
+    Calibration,
+    Comparison,
+    Explanation,
+    FitResult,
+    Location,
+    NoiseJudgement,
+    TankReproduction,
+    TransferResult,
+)
 from ._signature import give_signature as _give_signature
 from ._signature import takes as _takes
 from ._sonarcal import (
@@ -54,6 +63,7 @@ from ._sonarcal import (
     Scene,
     SimulateOptions,
     Sonar,
+    TransferOptions,
     UsageError,
     __version__,
     environment,
@@ -81,6 +91,7 @@ if TYPE_CHECKING:
         LocateKeywords,
         RayKeywords,
         SimulateKeywords,
+        TransferKeywords,
     )
 
 __all__ = [
@@ -88,24 +99,25 @@ __all__ = [
     "ComparisonOptions", "DataError", "ExplainOptions", "Explanation", "FanImage", "FitOptions", "FitResult", "Frame",
     "FrameResiduals", "Image", "JudgeNoiseOptions", "LocateOptions", "Location", "NoiseJudgement", "Parameters",
     "PolarAxes", "Pose", "RayOptions", "Recording", "ResidualView", "Scene", "SimulateOptions", "Sonar",
-    "TankReproduction", "UsageError", "__version__", "calibrate", "compare", "compare_images", "environment",
-    "environment_parameters", "environments", "explain", "fit", "judge_noise", "known_bomb", "locate",
-    "open_recording", "read_parameters", "read_poses", "read_scene", "recording", "reproduce_tank", "residual_view",
-    "resolve_parameters", "segment", "simulate", "sonar", "sonar_presets", "viewpoints", "write_parameters",
-    "write_poses",
+    "TankReproduction", "TransferOptions", "TransferResult", "UsageError", "__version__", "calibrate", "compare",
+    "compare_images", "environment", "environment_parameters", "environments", "explain", "fit", "judge_noise",
+    "known_bomb", "locate", "open_recording", "read_parameters", "read_poses", "read_scene", "recording",
+    "reproduce_tank", "residual_view", "resolve_parameters", "segment", "simulate", "sonar", "sonar_presets",
+    "transfer", "viewpoints", "write_parameters", "write_poses",
 ]
 
 _Path = Union[str, "os.PathLike[str]"]
 _Params = Union[Parameters, Mapping[str, Any], _Path]  # params.json as an object, a dict or a file
 _Progress = Callable[[str, int, int], object]  # (what is done, steps done, steps in all or 0)
 _Options = Mapping[str, Any]
+_Recordings = Union[Recording, _Path, Sequence[Union[Recording, _Path]]]
 
 _log = logging.getLogger("sonarcal")
 _warned: set[str] = set()
 
 for _options_class in (
         CalibrateOptions, CompareOptions, ComparisonOptions, ExplainOptions, FitOptions, JudgeNoiseOptions,
-        LocateOptions, RayOptions, SimulateOptions):
+        LocateOptions, RayOptions, SimulateOptions, TransferOptions):
     _give_signature(_options_class)
 del _options_class
 
@@ -131,6 +143,12 @@ def _scene(scene: Union[Scene, _Path]) -> tuple[Scene, str]:
 
 def _recording(source: Union[Recording, _Path]) -> Recording:
     return source if isinstance(source, Recording) else open_recording(source)
+
+
+def _recordings(source: _Recordings) -> list[Recording]:
+    """One recording or several."""
+    alone = isinstance(source, (Recording, str, os.PathLike))
+    return [_recording(each) for each in ([source] if alone else source)]
 
 
 def read_parameters(file: _Path) -> dict[str, Any]:
@@ -590,6 +608,44 @@ def explain(
     settings = ExplainOptions(options, **keywords)
     return Explanation(
         *_sonarcal._explain(_recording(recording), _scene(scene)[0], _params(params), settings, progress, _say))
+
+
+@_takes(TransferOptions)
+def transfer(
+    train: _Recordings,
+    test: _Recordings,
+    test_masks: _Recordings,
+    options: Union[TransferOptions, _Options, None] = None,
+    *,
+    train_masks: _Recordings = (),
+    progress: Optional[_Progress] = None,
+    **keywords: Unpack[TransferKeywords],
+) -> TransferResult:
+    """Measures how well simulated frames train a detector for recorded ones.
+
+    Parameters
+    ----------
+    train : Recording, path or sequence of these
+        Recordings to train on, such as simulated ones.
+    test : Recording, path or sequence of these
+        Recordings to test on. A reference is trained on them too.
+    test_masks : Recording, path or sequence of these
+        Masks of the test recordings: bright where the object is.
+    options : TransferOptions or dict, optional
+        Options. The keywords below override them.
+    train_masks : Recording, path or sequence of these, optional
+        Masks of the training recordings. Required without `object`.
+    progress : callable, optional
+        Called with what is done, the steps done and the steps in all (0: unknown). An exception ends the call.
+
+    Returns
+    -------
+    TransferResult
+        transfer.json as a dict (docs/reference/transfer_json.md), with plot().
+    """
+    settings = TransferOptions(options, **keywords)
+    return TransferResult(_sonarcal._transfer(
+        _recordings(train), _recordings(train_masks), _recordings(test), _recordings(test_masks), settings, progress))
 
 
 @_takes(RayOptions)

@@ -27,6 +27,13 @@ _FIGURES = [
 ]
 
 
+# Detectors of a transfer: key in transfer.json, label.
+_DETECTORS = {
+    "trained_on_training": "trained on training recordings",
+    "trained_on_test_blocks": "trained on other test frames",
+}
+
+
 def _at(figures: Mapping[str, Any], path: Sequence[str]) -> Any:
     for key in path:
         figures = figures[key]
@@ -42,6 +49,10 @@ def _cell(value: Any) -> str:
 def _table(header: Iterable[str], rows: Iterable[Sequence[Any]]) -> str:
     lines = "".join("<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in row) + "</tr>" for row in rows)
     return "<table><tr>" + "".join(f"<th>{_cell(name)}</th>" for name in header) + f"</tr>{lines}</table>"
+
+
+def _interval(interval: Optional[Sequence[float]]) -> Optional[str]:
+    return f"{interval[0]:.4g} to {interval[1]:.4g}" if interval else None
 
 
 def _paragraphs(sentences: Iterable[str], label: str) -> str:
@@ -414,6 +425,49 @@ class Explanation:
         header = ["part", "intensity error", "IoU", "gain, nats per pixel", "change of BIC", "verdict"]
         return (_paragraphs(self.warnings, "Warning") + _table(header, rows)
                 + f"<p>{html.escape(self.report['causes']['words'])}</p>")
+
+
+class TransferResult(dict):
+    """Simulated frames as training data, by transfer(): transfer.json as a dict."""
+
+    @property
+    def trained_on_training(self) -> dict[str, Any]:
+        """Figures of the detector that was trained on the training recordings."""
+        return self["trained_on_training"]
+
+    @property
+    def trained_on_test_blocks(self) -> dict[str, Any]:
+        """Figures of the detectors that were trained on other test frames."""
+        return self["trained_on_test_blocks"]
+
+    @property
+    def difference(self) -> dict[str, Any]:
+        """The first minus the second."""
+        return self["difference"]
+
+    def __repr__(self) -> str:
+        value = self.difference["average_precision"]["value"]
+        return f"TransferResult({self['test_frames']} test frames, difference in average precision {_cell(value)})"
+
+    def plot(self) -> Figure:
+        """Precision-recall curves of both detectors, and guessing."""
+        figure, panels = _panels(1)
+        for key, label in _DETECTORS.items():
+            curve = self["curves"][key]
+            panels[0].plot(curve["recall"], curve["precision"], label=label)
+        panels[0].axhline(self["object_share"], linestyle="--", color="gray", label="guessing")
+        panels[0].set(xlabel="recall", ylabel="precision", xlim=(0, 1), ylim=(0, 1))
+        panels[0].legend()
+        figure.tight_layout()
+        return figure
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for name in self.difference:
+            figures = (self.trained_on_training[name], self.trained_on_test_blocks[name], self.difference[name])
+            rows.append([name, *(cell for figure in figures for cell in (figure["value"], _interval(figure["ci"])))])
+        header = ["", *(cell for label in (*_DETECTORS.values(), "difference") for cell in (label, "95 %"))]
+        return _table(header, rows)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -63,6 +63,18 @@ TEST(DetectionScoresTest, AveragePrecisionOfAPublishedExample) {
   EXPECT_DOUBLE_EQ(counts.object_share(), 0.5);
 }
 
+TEST(DetectionScoresTest, TheCurveHasTheDetectionsAtFallingScores) {
+  const PrecisionRecall curve = CountScores(GridOf({{0.1F, 0.4F, 0.35F, 0.8F}}), MaskOf({"..##"})).Curve();
+  EXPECT_EQ(curve.recall, (std::vector<double>{0.5, 1.0, 1.0}));
+  EXPECT_EQ(curve.precision, (std::vector<double>{1.0, 2.0 / 3.0, 0.5}));
+  EXPECT_TRUE(ScoreCounts().Curve().recall.empty());
+  ScoreCounts even;
+  even.object.fill(1);
+  even.other.fill(1);
+  EXPECT_LE(even.Curve().recall.size(), 201U) << "points nearer than kRecallStep are left out";
+  EXPECT_GT(even.Curve().recall.size(), 160U);
+}
+
 TEST(DetectionScoresTest, CountsAboveAThreshold) {
   const ScoreCounts counts = CountScores(GridOf({{0.1F, 0.4F, 0.35F, 0.8F}}), MaskOf({"..##"}));
   const Detection detection = counts.From(300);
@@ -70,6 +82,7 @@ TEST(DetectionScoresTest, CountsAboveAThreshold) {
   EXPECT_DOUBLE_EQ(detection.recall().value(), 1.0);
   EXPECT_DOUBLE_EQ(detection.iou().value(), 2.0 / 3.0);
   EXPECT_DOUBLE_EQ(counts.From(counts.BestClass()).iou().value(), 2.0 / 3.0);
+  EXPECT_EQ(DetectedFrom(GridOf({{0.1F, 0.4F, 0.35F, 0.8F}}), 350), MaskOf({".###"}));
   EXPECT_FALSE(ScoreCounts().average_precision());
   EXPECT_FALSE(Detection().iou());
 }
@@ -124,9 +137,32 @@ TEST(TransferTest, FramesOfOneLawTrainAsWellAsEachOther) {
   EXPECT_GT(transfer.reference.iou.value.value(), 0.7);
   EXPECT_NEAR(transfer.difference.average_precision.value.value(), 0.0, 0.03);
   EXPECT_TRUE(transfer.difference.iou.ci);
+  EXPECT_TRUE(transfer.shown.empty());
   const Transfer again = MeasureTransfer(training, test);
   EXPECT_EQ(again.simulated.average_precision.value, transfer.simulated.average_precision.value);
   EXPECT_EQ(again.difference.iou.ci, transfer.difference.iou.ci);
+}
+
+TEST(TransferTest, ShownFramesHaveTheDetectionsOfTheFigures) {
+  std::vector<LabelledFrame> training, test;
+  for (int i = 0; i < 3; ++i) training.push_back(BlockFrame(i + 1));
+  for (int i = 0; i < 4; ++i) test.push_back(BlockFrame(i + 101));
+  const Transfer transfer = MeasureTransfer(training, test, {0, 1, 2, 3});
+  Detection pooled, reference;
+  for (const ShownDetection& shown : transfer.shown) {
+    pooled += shown.of_simulated;
+    reference += shown.of_reference;
+    EXPECT_EQ(CountSet(Both(shown.by_simulated, test[shown.frame].object).value()),
+              shown.of_simulated.true_positives);
+    EXPECT_EQ(CountSet(shown.by_reference),
+              shown.of_reference.true_positives + shown.of_reference.false_positives);
+  }
+  EXPECT_EQ(transfer.shown.size(), 4U);
+  EXPECT_EQ(pooled.iou(), transfer.simulated.iou.value);
+  EXPECT_EQ(reference.recall(), transfer.reference.recall.value);
+  EXPECT_EQ(transfer.simulated_curve.recall.back(), 1.0);
+  EXPECT_DOUBLE_EQ(transfer.simulated_curve.precision.back(), transfer.object_share);
+  EXPECT_GT(transfer.reference_curve.precision.front(), 0.9);
 }
 
 TEST(TransferTest, WrongLabelsTrainWorse) {
