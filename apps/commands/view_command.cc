@@ -24,6 +24,7 @@
 #include "apps/view/view_server.h"
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
+#include "data_io/json/json_reader.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/recordings/locked_recording.h"
@@ -78,6 +79,37 @@ void SetPoses(const ViewOptions& options, view::ViewSetup& setup) {
   }
 }
 
+// Names of the materials in a file of parameters that have no curve.
+std::vector<std::string> MaterialsWithoutCurve(const std::filesystem::path& params) {
+  std::vector<std::string> names;
+  const data_io::JsonReader json = data_io::JsonReader::FromFile(params);
+  for (const auto& [name, material] : json.At("materials").Members()) {
+    if (!material.Find("gsab")) names.push_back(name);
+  }
+  return names;
+}
+
+// A material without a curve starts at the centre of its prior. If all have curves, no prior need be known.
+ParameterSet ReadParametersToShow(const ViewOptions& options) {
+  const std::vector<std::string> without_curve = MaterialsWithoutCurve(options.params);
+  if (without_curve.empty()) return data_io::ReadParameters(options.params);
+  ParameterSet parameters = data_io::ReadStartParameters(options.params, options.materials.Known());
+  for (const std::string& name : without_curve) {
+    cli::PrintNote(options.common,
+                   fmt::format("material '{}' starts at the centre of the prior of {}; a prior is no value",
+                               name, parameters.materials.at(name).prior));
+  }
+  return parameters;
+}
+
+// Refuses a --material that a fit cannot use.
+void SetMaterials(const ViewOptions& options, view::ViewSetup& setup) {
+  setup.materials = options.materials;
+  if (options.materials.material.empty()) return;
+  calib::FitConfig config;
+  workflow::AddMaterialPriors(options.materials, setup.parameters, setup.scene, config);
+}
+
 std::string SceneWords(const cli::SceneFormat& format) {
   const nlohmann::ordered_json json = cli::SceneFormatJson(format);
   std::string words;
@@ -120,8 +152,7 @@ view::ViewSetup SetUpView(const ViewOptions& options) {
                       ToString(setup.real->info().scale.quantity));
     }
   }
-  setup.parameters =
-      options.params.empty() ? EnvironmentParameters() : data_io::ReadParameters(options.params);
+  setup.parameters = options.params.empty() ? EnvironmentParameters() : ReadParametersToShow(options);
   if (options.model) setup.parameters.model = *options.model;
   if (setup.parameters.model == EchoModel::kCoherent) {
     throw UsageError(
@@ -141,6 +172,7 @@ view::ViewSetup SetUpView(const ViewOptions& options) {
     setup.parameters.materials.try_emplace("default");
   }
   for (const std::string& name : setup.scene.material_names) setup.parameters.Material(name);
+  SetMaterials(options, setup);
   SetPoses(options, setup);
   setup.rays = options.rays;
   setup.margin_deg = options.margin_deg;

@@ -13,6 +13,7 @@
 #include "apps/cli/scene_option.h"
 #include "apps/view/view_session.h"
 #include "apps/workflow/comparison_options.h"
+#include "apps/workflow/materials/material_options.h"
 #include "apps/workflow/rays/ray_options.h"
 
 namespace sonarcal::commands {
@@ -31,6 +32,7 @@ struct ViewOptions {
   std::optional<double> margin_deg;
   int ghost_order = 1;
   workflow::ComparisonOptions comparison;
+  workflow::MaterialOptions materials;
 
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
@@ -41,6 +43,7 @@ struct ViewOptions {
     workflow::RayOptions::Visit(self.rays, visit);
     workflow::VisitReach(self.ghost_order, self.margin_deg, visit);
     workflow::ComparisonOptions::Visit(self.comparison, visit);
+    workflow::MaterialOptions::Visit(self.materials, visit);
   }
   int port = 8765;  // 0: any free port
   bool open = false;

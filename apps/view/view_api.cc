@@ -291,6 +291,7 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
     const data_io::JsonReader json = data_io::JsonReader::FromText(body, "request");
     json.At("state");
     chosen = ReadPageOptions(json);
+    chosen.materials = setup.materials;
     json.Finish();
     state = ParseViewState(Json::parse(body)["state"].dump(), session_.frame_count());
   } catch (const DataError& error) {
@@ -312,7 +313,9 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
   fit_.Start({.real = session_.RecordingOf(state),
               .scene = session_.scene(),
               .initial = state.parameters,
-              .options = std::move(options)});
+              .options = std::move(options),
+              .messages = workflow::MaterialCaveats(chosen.materials, state.parameters, session_.scene(),
+                                                    setup.sonar.frequency_hz)});
   return JsonAnswer(fit_.Status());
 }
 

@@ -146,6 +146,7 @@ void ViewFit::Run(ViewFitRequest request) {
     traced_ = frames_done;
   };
   try {
+    for (const std::string& sentence : request.messages) Say(sentence);
     const workflow::RecordingFit fit =
         workflow::FitRecording(*request.real, request.scene, request.initial, options);
     if (!fit.fit.usable) {

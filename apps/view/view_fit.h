@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -34,6 +35,7 @@ struct ViewFitRequest {
   Scene scene;
   ParameterSet initial;
   workflow::FitRecordingOptions options;
+  std::vector<std::string> messages = {};  // said before the fit, one sentence each
 };
 
 class ViewFit {

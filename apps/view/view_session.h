@@ -19,6 +19,7 @@
 
 #include "apps/view/view_state.h"
 #include "apps/workflow/compare.h"
+#include "apps/workflow/materials/material_options.h"
 #include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/scene_geometry.h"
 #include "core/types/recording.h"
@@ -42,6 +43,7 @@ struct ViewSetup {
   int ghost_order = 1;
   std::shared_ptr<const RecordingSource> real;  // thread-safe; as many frames as poses; null: none
   metrics::CompareOptions compare;
+  workflow::MaterialOptions materials = {};  // priors of a fit
 };
 
 struct ViewImage {

@@ -17,8 +17,11 @@
 #include "apps/view/view_controls.h"
 #include "apps/view/view_mesh.h"
 #include "calib/parameters/parameter_catalog.h"
+#include "core/materials/named_materials.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/parameters/materials_io.h"
 #include "data_io/parameters/parameters_io.h"
 #include "tests/apps/view/view_world.h"
 
@@ -269,6 +272,105 @@ TEST_F(ViewApiTest, AFitIsThatOfTheCommand) {
   }
   EXPECT_EQ(by_view.display, by_command.display);
   EXPECT_EQ(result["frames_held_out"], ReadJsonFile(world_ / "fit" / "fit.json")["frames_held_out"]);
+}
+
+// The floor's prior is in a file of materials.
+class ViewPriors : public ViewApiTest {
+ protected:
+  ViewPriors() {
+    NamedMaterial floor{.name = "tank floor",
+                        .model = EchoModel::kPaper,
+                        .centre = TinyParameters().materials.at("floor").gsab,
+                        .spread = {.a = 1.5, .b_deg = 1.5, .c = 1.2, .d = 0.1, .e = 1.5, .f_deg = 1.5},
+                        .level_db = ReferenceLevelDb(TinyParameters()) + 10.0,
+                        .frequency_min_hz = 9e5,
+                        .frequency_max_hz = 9e5,
+                        .source = "a test",
+                        .comment = {}};
+    data_io::WriteJson(world_ / "materials.json", data_io::MaterialsJson({floor}));
+    centre_ = CentreFor(floor, TinyParameters());
+  }
+
+  // Parameters whose floor has the prior, and the curve or not.
+  void WriteStart(bool with_curve) {
+    auto json = data_io::ParametersJson(TinyParameters());
+    json["materials"]["floor"]["prior"] = "tank floor";
+    if (!with_curve) json["materials"]["floor"].erase("gsab");
+    data_io::WriteJson(world_ / "start.json", json);
+  }
+
+  commands::ViewOptions WithPriors(bool with_file) const {
+    commands::ViewOptions options = Options();
+    options.params = world_ / "start.json";
+    if (with_file) options.materials.materials = {(world_ / "materials.json").string()};
+    return options;
+  }
+
+  void Show(const commands::ViewOptions& options) {
+    session_ = std::make_unique<ViewSession>(commands::SetUpView(options));
+    api_ = std::make_unique<ViewApi>(*session_, options.out);
+  }
+
+  Json StateOfSetup() const {
+    return {{"parameters", Json::parse(data_io::ParametersJson(session_->setup().parameters).dump())}};
+  }
+
+  GsabParameters<double> centre_;
+};
+
+TEST_F(ViewPriors, AMaterialWithoutACurveStartsAtTheCentreOfItsPrior) {
+  WriteStart(false);
+  EXPECT_THROW(commands::SetUpView(WithPriors(false)), DataError);
+  commands::ViewOptions options = WithPriors(true);
+  options.common.quiet = false;
+  ::testing::internal::CaptureStderr();
+  Show(options);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              HasSubstr("'floor' starts at the centre of the prior of tank floor"));
+  EXPECT_EQ(session_->setup().parameters.materials.at("floor").gsab, centre_);
+  EXPECT_NEAR(centre_.c, 10.0 * TinyParameters().materials.at("floor").gsab.c, 1e-9) << "10 dB in level";
+  EXPECT_EQ(Post("/api/render", StateOfSetup()).status, 200);
+}
+
+TEST_F(ViewPriors, AFitTakesThePriorsOfTheFileAsTheCommandDoes) {
+  WriteStart(false);
+  Show(WithPriors(true));
+  const ViewAnswer started =
+      Post("/api/fit/start", {{"state", StateOfSetup()}, {"starts", 1}, {"fixed", {"jitter.*"}}});
+  ASSERT_EQ(started.status, 200) << started.body;
+  const Json status = WaitForFit(*api_);
+  ASSERT_EQ(status["state"], "done") << status;
+  const auto outcome = RunSonarcal(
+      fmt::format("fit --real {} --scene {} --params {} --materials {} --rays 96x200 --starts 1 --fixed "
+                  "'jitter.*' --out {}",
+                  Quoted(world_ / "real"), Quoted(world_.scene()), Quoted(world_ / "start.json"),
+                  Quoted(world_ / "materials.json"), Quoted(world_ / "fit")));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("has the prior of tank floor"));
+  const ParameterSet by_command = data_io::ReadParameters(world_ / "fit" / "params.json");
+  const ParameterSet by_view = data_io::ParseParameters(status["result"]["parameters"].dump(), "result");
+  for (const char* material : {"floor", "box"})
+    EXPECT_EQ(by_view.Material(material), by_command.Material(material)) << material;
+}
+
+TEST_F(ViewPriors, ACurveIsShownWithoutTheFileOfItsPrior) {
+  WriteStart(true);
+  Show(WithPriors(false));
+  EXPECT_EQ(session_->setup().parameters.materials.at("floor").gsab,
+            TinyParameters().materials.at("floor").gsab);
+  const ViewAnswer refused = Post("/api/fit/start", {{"state", StateOfSetup()}});
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_THAT(refused.body, HasSubstr("tank floor"));
+}
+
+TEST_F(ViewPriors, AMaterialOfTheCommandLineMustExist) {
+  commands::ViewOptions options = Options();
+  options.materials.material = {"flor=park-2024"};
+  EXPECT_THROW(commands::SetUpView(options), DataError);
+  options.materials.material = {"floor=silt"};
+  EXPECT_THROW(commands::SetUpView(options), DataError) << "silt is one of the acoustic model";
+  options.materials.material = {"floor=park-2024"};
+  EXPECT_EQ(commands::SetUpView(options).materials.material, options.materials.material);
 }
 
 TEST_F(ViewApiTest, AFitCanBeStoppedAndFailsInOneSentence) {
