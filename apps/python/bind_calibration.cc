@@ -10,6 +10,7 @@
 #include "apps/python/bindings.h"
 #include "apps/python/hooks.h"
 #include "apps/python/json_objects.h"
+#include "apps/report/detection/false_alarm_section.h"
 #include "apps/report/sections/noise_section.h"
 #include "apps/workflow/calibration/calibrate.h"
 #include "apps/workflow/noise/judge_noise.h"
@@ -76,7 +77,9 @@ py::object JudgeNoise(const RecordingSource& recording, const ParameterSet& para
     const workflow::JudgedNoise judged = listener.Run([&](const workflow::Listener& task) {
       return workflow::JudgeNoise(recording, parameters, frames, options, fitted, task);
     });
-    judgement = report::NoiseJudgementFileJson(judged.judgement).dump();
+    nlohmann::ordered_json json = report::NoiseJudgementFileJson(judged.judgement);
+    if (options.false_alarms) json["false_alarms"] = report::FalseAlarmsJson(judged.false_alarms);
+    judgement = json.dump();
   }
   return ObjectFromJson(judgement);
 }

@@ -90,6 +90,16 @@ def test_judge_noise_equals_the_command(world, noise, tmp_path):
     assert "pings beyond chance" in judged._repr_html_() and "6 pings" in repr(judged)
 
 
+def test_judge_noise_measures_false_alarms_as_the_command(world, noise):
+    pings, law = noise
+    text = world.command("judge-noise", "--params", law, "--real", world.folder / "pings", "--false-alarms", "--json",
+                         "--quiet")
+    judged = sonarcal.judge_noise(pings, law, false_alarms=True)
+    assert judged == json.loads(text)
+    assert {row["method"] for row in judged.false_alarms} >= {"otsu", "ca_cfar", "likelihood_ratio"}
+    assert sonarcal.judge_noise(pings, law).false_alarms == []
+
+
 def test_judge_noise_takes_window_and_speckle(noise):
     pings, law = noise
     near = sonarcal.judge_noise(pings, law, range_max=2.5)

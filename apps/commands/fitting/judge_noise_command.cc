@@ -17,6 +17,7 @@
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
 #include "apps/commands/commands.h"
+#include "apps/report/detection/false_alarm_section.h"
 #include "apps/report/html/paper_files.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/sections/comparison_section.h"
@@ -51,15 +52,17 @@ Json ConfigurationJson(const JudgeNoiseCommandOptions& options, const calib::Noi
           {"frames", judgement.frames},
           {"range_m",
            {axes.range_edge_m(judgement.cells.first_bin), axes.range_edge_m(judgement.cells.last_bin)}},
-          {"speckle", ToString(speckle)}};
+          {"speckle", ToString(speckle)},
+          {"false_alarms", options.judge.false_alarms}};
 }
 
-report::HtmlReport MakeReport(const calib::NoiseJudgement& judgement, const RecordingInfo& info,
+report::HtmlReport MakeReport(const workflow::JudgedNoise& judged, const RecordingInfo& info,
                               const std::string& subject, const Json& provenance) {
   report::HtmlReport report("Noise law on other pings", workflow::RecordingName(info));
   report::AddSyntheticCallout(report, info.synthetic, workflow::RecordingName(info));
   report.Paragraph(subject + ".");
-  report::AddNoiseJudgement(report, judgement, info.synthetic);
+  report::AddNoiseJudgement(report, judged.judgement, info.synthetic);
+  report::AddFalseAlarms(report, judged.false_alarms);
   report::EndReport(report, provenance);
   return report;
 }
@@ -73,33 +76,38 @@ cli::ExitStatus RunJudgeNoise(const JudgeNoiseCommandOptions& options) {
   std::optional<cli::RunOutput> output;
   if (!options.out.empty()) output.emplace(options.out, "judge-noise", options.common.force);
   std::optional<cli::Progress> progress;
-  const auto [law, judgement] =
+  std::string shown;
+  const workflow::JudgedNoise judged =
       workflow::JudgeNoise(*recording, parameters, frames, options.judge, fitted,
                            {.progress =
                                 [&](const std::string& step, int done, int total) {
-                                  if (!progress) progress.emplace(step, total, options.common, "pings");
+                                  if (step != shown) progress.emplace(step, total, options.common, "pings");
+                                  shown = step;
                                   progress->Update(done);
                                 },
                             .message = {},
                             .stop = {}});
+  progress.reset();
+  const calib::NoiseJudgement& judgement = judged.judgement;
   const calib::NoiseCells& cells = judgement.cells;
 
   const std::string subject =
       fmt::format("noise law {} on {} ping{}, without a fit; {:.2f} to {:.2f} m, {} speckle{}",
                   options.params.string(), judgement.frames.size(), judgement.frames.size() == 1 ? "" : "s",
                   cells.axes.range_edge_m(cells.first_bin), cells.axes.range_edge_m(cells.last_bin),
-                  ToString(law.speckle),
+                  ToString(judged.law.speckle),
                   fitted.file.empty() ? "; no fit.json of the law beside it states window and speckle"
                                       : fmt::format("; window and speckle of {}", fitted.file.string()));
-  const Json json = report::NoiseJudgementFileJson(judgement);
+  Json json = report::NoiseJudgementFileJson(judgement);
+  if (options.judge.false_alarms) json["false_alarms"] = report::FalseAlarmsJson(judged.false_alarms);
   if (output) {
     cli::Provenance provenance{.command = "judge-noise",
-                               .configuration = ConfigurationJson(options, judgement, law.speckle),
+                               .configuration = ConfigurationJson(options, judgement, judged.law.speckle),
                                .inputs = {options.params, options.real}};
     if (!fitted.file.empty()) provenance.inputs.push_back(fitted.file);
     data_io::WriteJson(*output / "judgement.json", json);
     cli::WriteProvenance(output->staging(), provenance);
-    report::WriteReport(MakeReport(judgement, info, subject, cli::ProvenanceToJson(provenance)),
+    report::WriteReport(MakeReport(judged, info, subject, cli::ProvenanceToJson(provenance)),
                         output->staging());
     output->Commit();
   }
@@ -107,7 +115,7 @@ cli::ExitStatus RunJudgeNoise(const JudgeNoiseCommandOptions& options) {
     cli::PrintJson(json);
   } else {
     cli::PrintResult(workflow::RecordingName(info) + ": " + subject + "\n" +
-                     report::NoiseJudgementText(judgement));
+                     report::NoiseJudgementText(judgement) + report::FalseAlarmsText(judged.false_alarms));
     if (output) cli::PrintResult(fmt::format("report: {}\n", (options.out / "report.html").string()));
   }
   return cli::ExitStatus::kDone;

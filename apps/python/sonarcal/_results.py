@@ -310,6 +310,11 @@ class NoiseJudgement(dict):
         """Level of the pings over time."""
         return self["drift"]
 
+    @property
+    def false_alarms(self) -> list[dict[str, Any]]:
+        """Stated and realised rate of each segmentation method; empty without the option."""
+        return self.get("false_alarms", [])
+
     def __repr__(self) -> str:
         return f"NoiseJudgement({len(self.pings)} pings, KS {self.agreement['ks']:.4f})"
 

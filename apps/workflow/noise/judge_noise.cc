@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "apps/workflow/noise/false_alarms.h"
 #include "core/types/error.h"
 #include "data_io/json/json_reader.h"
 
@@ -62,7 +63,8 @@ JudgedNoise JudgeNoise(const RecordingSource& recording, const ParameterSet& par
   JudgedNoise judged{.law = {.display = parameters.display,
                              .receiver = parameters.receiver,
                              .speckle = options.speckle.value_or(fitted.speckle)},
-                     .judgement = {}};
+                     .judgement = {},
+                     .false_alarms = {}};
   const RecordingInfo& info = recording.info();
   const calib::NoiseCells cells = calib::NoiseCellsOf(info, fitted.window);
   std::vector<int> pings = frames;
@@ -78,6 +80,8 @@ JudgedNoise JudgeNoise(const RecordingSource& recording, const ParameterSet& par
   judged.judgement =
       calib::JudgeNoise(judged.law, recording, pings, cells, WeightOf(fitted, cells, info), 0.0,
                         [&](int done, int total) { listener.Progress("Judging", done, total); });
+  if (options.false_alarms)
+    judged.false_alarms = MeasureFalseAlarms(recording, parameters, judged.judgement, listener);
   return judged;
 }
 

@@ -14,6 +14,7 @@
 #include "core/types/option.h"
 #include "core/types/parameters.h"
 #include "core/types/recording.h"
+#include "metrics/false_alarms.h"
 #include "sim/physics/speckle.h"
 
 namespace sonarcal::workflow {
@@ -22,6 +23,7 @@ struct JudgeNoiseOptions {
   std::optional<double> range_min = {};
   std::optional<double> range_max = {};
   std::optional<sim::SpeckleLaw> speckle = {};
+  bool false_alarms = false;
 
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
@@ -37,6 +39,10 @@ struct JudgeNoiseOptions {
                      .help = "Speckle law",
                      .by_default = "that of the fit, without fit.json gamma"},
           self.speckle);
+    visit(OptionInfo{.name = "false_alarms",
+                     .help = "Also measures the share of pixels that each segmentation method takes for "
+                             "object, beside the rate that it states"},
+          self.false_alarms);
   }
 };
 
@@ -54,6 +60,7 @@ FittedNoiseWindow ReadFittedWindow(const std::filesystem::path& params);
 struct JudgedNoise {
   calib::NoiseLaw law;
   calib::NoiseJudgement judgement;
+  std::vector<metrics::FalseAlarmRate> false_alarms = {};  // empty without the option
 };
 
 // `frames`: empty for all. Throws DataError if law, window and recording do not fit together.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "core/types/units.h"
 #include "data_io/open_recording.h"
@@ -180,6 +181,40 @@ TEST_F(FitNoiseCommand, JudgeNoiseNamesThePingsAndCellsWhereALawFails) {
   for (const nlohmann::json& cell : json["cells"]) worst = cell["ks"] > worst["ks"] ? cell : worst;
   EXPECT_EQ(worst["beams"], (std::vector<int>{8, 15}));
   EXPECT_EQ(testing::HtmlFault(testing::ReadFile(world_ / "judged/report.html")), "");
+}
+
+// The law that made the pings: its rates are realised, to within one grey level.
+TEST_F(FitNoiseCommand, JudgeNoiseMeasuresFalseAlarms) {
+  const std::string judge = "judge-noise -q --params " + Quoted(world_.params()) + " --real " +
+                            Quoted(real_) + " --out " + Quoted(world_ / "judged");
+  const Outcome without = RunSonarcal(judge);
+  ASSERT_EQ(without.status, 0) << without.err;
+  EXPECT_FALSE(testing::ReadJsonFile(world_ / "judged/judgement.json").contains("false_alarms"));
+  const Outcome outcome = RunSonarcal(judge + " --false-alarms --range-min 1 --range-max 4");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("false alarms, share of "));
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "judged/judgement.json");
+  std::map<std::string, int> rows;
+  for (const nlohmann::json& row : json["false_alarms"]) {
+    ++rows[row["method"]];
+    EXPECT_NEAR(row["pixels"].get<double>(), kPings * 24 * 45, kPings * 24 * 2.0)
+        << "of 60 bins those within 3 m";
+    if (row["stated"].is_null()) continue;
+    const double stated = row["stated"];
+    // CFAR assumes an even background, and this one rises by 1 dB/m.
+    const double share = row["method"] == "likelihood_ratio" ? 0.2 : 0.6;
+    if (stated > 1e-3) {
+      EXPECT_NEAR(row["realised"].get<double>(), stated, share * stated) << row;
+    }
+    EXPECT_LE(row["ci"][0], row["realised"]);
+    EXPECT_GE(row["ci"][1], row["realised"]);
+  }
+  EXPECT_EQ(rows.size(), 8U);
+  EXPECT_EQ(rows["os_cfar"], 3);
+  EXPECT_EQ(rows["otsu"], 1);
+  const std::string html = testing::ReadFile(world_ / "judged/report.html");
+  EXPECT_EQ(testing::HtmlFault(html), "");
+  EXPECT_THAT(html, HasSubstr("False alarms"));
 }
 
 TEST_F(FitNoiseCommand, JudgeNoiseRefusesALawOfAnotherSonarInOneSentence) {
