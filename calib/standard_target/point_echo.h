@@ -75,7 +75,7 @@ std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting
                                 const PointEcho& echo, const sim::AzimuthResponse<double>& azimuth,
                                 const FrameEcho& frame, const std::vector<double>& sensitivity_db);
 
-// The same with a response made for it.
+// Makes the response for one use.
 std::vector<double> EchoPowerOf(const EchoWindow& window, const PointEchoSetting& setting,
                                 const PointEcho& echo, const FrameEcho& frame,
                                 const std::vector<double>& sensitivity_db);

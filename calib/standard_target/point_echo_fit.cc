@@ -29,8 +29,8 @@ std::vector<int> GroupsOf(const PointEchoData& data, const EchoWindow& window) {
 }
 
 // Residuals of a window's pixels, and of the frame's level against the spread of levels. Parameters:
-// FrameEcho, PointEcho, and one sensitivity for each of GroupsOf. Derivatives are central differences; those by
-// a sensitivity are known.
+// FrameEcho, PointEcho, and one sensitivity for each of GroupsOf. Derivatives are central differences; those
+// by a sensitivity are known.
 class WindowCost final : public ceres::CostFunction {
  public:
   WindowCost(const PointEchoData& data, const PointEchoSolution& at, std::size_t index)

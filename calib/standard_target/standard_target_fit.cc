@@ -245,8 +245,8 @@ class StandardTargetFitter {
     return FitPointEcho(state_.data, state_.free, start);
   }
 
-  // Keeps the given law unless the ranges refuse it. Takes another if it is the only one that they allow, and if
-  // elevations are known: else levels may change with range because the elevation does.
+  // Keeps the given law unless the ranges refuse it. Takes another if it is the only one that they allow, and
+  // if elevations are known: else levels may change with range because the elevation does.
   void ChooseGainLaw() {
     constexpr int kSlope = 4;
     const auto allowed = [&](const PointEchoSolution& solution) {

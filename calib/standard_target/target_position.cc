@@ -90,7 +90,7 @@ class Locator {
                                             std::sin(elevation_rad)));
   }
 
-  // Of range and azimuth: predicted minus recorded.
+  // Errors of range and azimuth: predicted minus recorded.
   Eigen::Vector2d ErrorOf(const TargetSight& sight, const Eigen::Vector3d& position_m) const {
     const Eigen::Vector3d at = sight.world_from_sonar.Inverse() * position_m;
     return {(at.norm() - sight.range_m) / tolerance_.range_m,

@@ -36,10 +36,10 @@ struct TargetLocation {
   std::string why_not = {};  // if there is no position
 };
 
-// The position that most sights agree with, by least squares among these. Not found if fewer than three sights
-// or less than half of them agree, or if the poses leave the position open: the standard error of an elevation
-// would exceed a degree. The standard error is that of the errors left, and of at least a tenth of the
-// tolerance.
+// The position that most sights agree with, by least squares among these. Not found if fewer than three
+// sights or less than half of them agree, or if the poses leave the position open: the standard error of an
+// elevation would exceed a degree. The standard error is that of the errors left, and of at least a tenth of
+// the tolerance.
 TargetLocation LocateTarget(const std::vector<TargetSight>& sights, const SightTolerance& tolerance);
 
 }  // namespace sonarcal::calib

@@ -1,20 +1,25 @@
 #include "sim/physics/k_law.h"
 
-#include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
+
+#include <boost/math/special_functions/bessel.hpp>
 
 namespace sonarcal::sim {
 namespace {
 
-// ln(2 (argument / 2)^power K_order(argument) / Gamma(shape)); not finite where the Bessel function overflows.
+// ln(2 (argument / 2)^power K_order(argument) / Gamma(shape)); not finite where the Bessel function
+// overflows.
 double LogTerm(double shape, double power, double order, double argument) {
   namespace policies = boost::math::policies;
-  using Fast = policies::policy<policies::overflow_error<policies::ignore_error>, policies::promote_double<false>>;
-  return std::log(2.0 * boost::math::cyl_bessel_k(order, argument, Fast())) + power * std::log(0.5 * argument) -
-         std::lgamma(shape);
+  using Fast =
+      policies::policy<policies::overflow_error<policies::ignore_error>, policies::promote_double<false>>;
+  return std::log(2.0 * boost::math::cyl_bessel_k(order, argument, Fast())) +
+         power * std::log(0.5 * argument) - std::lgamma(shape);
 }
 
-double Argument(double shape, double ratio) { return 2.0 * std::sqrt(shape * ratio); }
+double Argument(double shape, double ratio) {
+  return 2.0 * std::sqrt(shape * ratio);
+}
 
 constexpr double kLargestArgument = 700.0;  // beyond, exp(-argument) is 0
 
@@ -43,8 +48,12 @@ double OfLooks(double looks, double ratio, const OfShape& of_shape) {
 
 }  // namespace
 
-double KLawSurvival(double looks, double ratio) { return OfLooks(looks, ratio, SurvivalOfShape); }
+double KLawSurvival(double looks, double ratio) {
+  return OfLooks(looks, ratio, SurvivalOfShape);
+}
 
-double KLawDensity(double looks, double ratio) { return OfLooks(looks, ratio, DensityOfShape); }
+double KLawDensity(double looks, double ratio) {
+  return OfLooks(looks, ratio, DensityOfShape);
+}
 
 }  // namespace sonarcal::sim

@@ -3,9 +3,9 @@
 //
 //   P(x > t) = 2 (nu t)^(nu / 2) K_nu(2 sqrt(nu t)) / Gamma(nu)
 //
-// nu = 2 looks / (1 - looks), 0.05 <= looks < 1: the variance is that of `looks` looks. Above shape 50 it is the
-// mixture of that shape and of no texture which has the right variance; so it goes over to the exponential law
-// at one look.
+// nu = 2 looks / (1 - looks), 0.05 <= looks < 1: the variance is that of `looks` looks. Above shape 50 it is
+// the mixture of that shape and of no texture which has the right variance; so it goes over to the
+// exponential law at one look.
 #pragma once
 
 namespace sonarcal::sim {
