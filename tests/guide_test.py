@@ -19,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 
-ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md"]
+ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md", "standard_target.md"]
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"<!-- made: (\S+) -->\n!\[[^\]]*\]\((\S+)\)")

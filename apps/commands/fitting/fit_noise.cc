@@ -81,7 +81,7 @@ cli::ExitStatus RunFitStill(const FitCommandOptions& options) {
   data_io::WriteParameters(output / "params.json", parameters);
   const RecordingInfo& info = recording->info();
   report::HtmlReport html("Speckle and noise of static frames", workflow::RecordingName(info));
-  report::AddSyntheticCallout(html, info.synthetic, workflow::RecordingName(info));
+  report::AddSyntheticRecordingCallout(html, info.synthetic, workflow::RecordingName(info));
   html.Section("Levels");
   report::AddStillPoses(html, still);
   report::EndReport(html, cli::ProvenanceToJson(provenance));

@@ -103,7 +103,7 @@ cli::ExitStatus RunFitStandardTarget(const FitCommandOptions& options) {
   parameters.materials.try_emplace("default");
   data_io::WriteParameters(output / "params.json", parameters);
   report::HtmlReport html("Standard target", workflow::RecordingName(info));
-  report::AddSyntheticCallout(html, info.synthetic, workflow::RecordingName(info));
+  report::AddSyntheticRecordingCallout(html, info.synthetic, workflow::RecordingName(info));
   report::AddStandardTarget(html, fit, info.sonar.axes);
   report::EndReport(html, cli::ProvenanceToJson(provenance));
   return EndFit(html, fit_json,

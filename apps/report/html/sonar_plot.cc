@@ -108,12 +108,27 @@ class Layout {
   double unit_m_ = 1.0;
 };
 
+double RangeStep(const PolarAxes& axes) {
+  return NiceStep(axes.range_max_m - axes.range_min_m, 6);
+}
+
+// Space for the longest range at the left.
+double LeftOf(const PolarAxes& axes) {
+  constexpr std::size_t kShortText = 3;  // such as 9.5
+  constexpr double kCharacter = 5.5;
+  std::size_t longest = kShortText;
+  const double step = RangeStep(axes);
+  for (const double range : TicksWithin(axes.range_min_m, axes.range_max_m, step))
+    longest = std::max(longest, FormatNumber(range, DecimalsOf(step)).size());
+  return kLeft + kCharacter * static_cast<double>(longest - kShortText);
+}
+
 // Rings with their ranges, rays with their azimuths, and the outline.
 std::string Axes(const PolarAxes& axes, SonarView view, const Size& size) {
   const Layout layout(axes, view, size);
   std::string lines;
   std::string texts;
-  const double range_step = NiceStep(axes.range_max_m - axes.range_min_m, 6);
+  const double range_step = RangeStep(axes);
   for (const double range : TicksWithin(axes.range_min_m, axes.range_max_m, range_step)) {
     lines += layout.Move('M', range, layout.first_rad()) + layout.Arc(range);
     const auto [x, y] = layout.At(range, layout.first_rad());
@@ -225,17 +240,18 @@ std::string TintFilter(std::string_view name, double r, double g, double b) {
 std::string SonarPlotSvg(const SonarPlot& plot, const std::vector<StoredPicture>& pictures, int number,
                          std::string_view alt) {
   const Size size = SizeWithin(plot.axes, plot.view, kPlotWidth, kMaxPlotHeight);
+  const double left = LeftOf(plot.axes);
   std::string svg = fmt::format(
       R"svg(<svg class="sonar" viewBox="0 0 {:.1f} {:.1f}" role="img" aria-label="{}">)svg"
       R"svg(<clipPath id="clip-{}"><path d="{}"/></clipPath><g transform="translate({:.1f} {})">)svg"
       R"svg(<g clip-path="url(#clip-{})"><g{}>{}</g></g>{}</g>)svg",
-      kLeft + kPlotWidth + kRight, kTop + size.height + kBottom, EscapeHtml(alt), number,
-      Layout(plot.axes, plot.view, size).Outline(), kLeft + 0.5 * (kPlotWidth - size.width), kTop, number,
+      left + kPlotWidth + kRight, kTop + size.height + kBottom, EscapeHtml(alt), number,
+      Layout(plot.axes, plot.view, size).Outline(), left + 0.5 * (kPlotWidth - size.width), kTop, number,
       plot.view == SonarView::kPolar || plot.colours == SonarColours::kRegions ? R"svg( class="crisp")svg"
                                                                                : "",
       Images(plot.colours, pictures, size), Axes(plot.axes, plot.view, size));
   if (std::ranges::any_of(plot.bar, [](const std::string& text) { return !text.empty(); })) {
-    Append(svg, R"svg(<g transform="translate({} {:.1f})">{}</g>)svg", kLeft, kTop + size.height + 13.0,
+    Append(svg, R"svg(<g transform="translate({} {:.1f})">{}</g>)svg", left, kTop + size.height + 13.0,
            Bar(GradientOf(plot.colours), plot.bar, kPlotWidth));
   }
   return svg + "</svg>";

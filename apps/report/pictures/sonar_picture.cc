@@ -26,10 +26,13 @@ struct Window {
   std::string name;
 };
 
-Window WindowOf(const PolarImage& image) {
-  if (image.scale.quantity == Quantity::kGrey) return {0.0, image.scale.full_scale, "grey level"};
-  Window window{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
-                image.scale.quantity == Quantity::kDecibel ? "dB" : "power"};
+Window WindowOf(const PolarImage& image, const std::optional<ColourLimits>& limits) {
+  const std::string name = image.scale.quantity == Quantity::kGrey      ? "grey level"
+                           : image.scale.quantity == Quantity::kDecibel ? "dB"
+                                                                        : "power";
+  if (limits) return {limits->low, limits->high, name};
+  if (image.scale.quantity == Quantity::kGrey) return {0.0, image.scale.full_scale, name};
+  Window window{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), name};
   for (const float value : image.value.values()) {
     if (!std::isfinite(value)) continue;
     window.low = std::min<double>(window.low, value);
@@ -39,8 +42,7 @@ Window WindowOf(const PolarImage& image) {
   return window;
 }
 
-std::vector<std::uint8_t> PngOf(const PolarImage& image, SonarView view) {
-  const Window window = WindowOf(image);
+std::vector<std::uint8_t> PngOf(const PolarImage& image, SonarView view, const Window& window) {
   if (view == SonarView::kPolar) return GreyPng(image.value, window.low, window.high);
   return GreyPng(MapOf(image.axes).Apply(image.value), window.low, window.high);
 }
@@ -67,9 +69,10 @@ Grid<std::uint8_t> ObjectRegions(const metrics::FrameMetrics& metrics) {
   return regions;
 }
 
-Picture SonarPicture(const PolarImage& image, SonarView view, std::string caption, std::string alt) {
-  const Window window = WindowOf(image);
-  return {.png = PngOf(image, view),
+Picture SonarPicture(const PolarImage& image, SonarView view, std::string caption, std::string alt,
+                     const std::optional<ColourLimits>& limits) {
+  const Window window = WindowOf(image, limits);
+  return {.png = PngOf(image, view, window),
           .caption = std::move(caption),
           .alt = std::move(alt),
           .plot = SonarPlot{
@@ -81,13 +84,13 @@ Picture SonarPicture(const PolarImage& image, SonarView view, std::string captio
 
 Picture OverlayPicture(const PolarImage& real_image, const PolarImage& simulated, SonarView view,
                        const std::string& real, std::string alt) {
-  return {.png = PngOf(real_image, view),
+  return {.png = PngOf(real_image, view, WindowOf(real_image, {})),
           .caption = "Overlay",
           .alt = std::move(alt),
           .plot = SonarPlot{.axes = real_image.axes,
                             .view = view,
                             .colours = SonarColours::kOverlay,
-                            .simulated = PngOf(simulated, view),
+                            .simulated = PngOf(simulated, view, WindowOf(simulated, {})),
                             .bar = {real, "← brighter →", "simulated"}}};
 }
 

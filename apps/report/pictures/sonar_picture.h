@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,15 @@ std::vector<std::uint8_t> GreyPng(const Grid<float>& value, double low, double h
 // Returns 1 for an object in the real image, 2 in the simulated one, 3 in both. `metrics.masks` must be set.
 Grid<std::uint8_t> ObjectRegions(const metrics::FrameMetrics& metrics);
 
-// Colours run from 0 to full scale, for other quantities than grey levels from the lowest to the highest
-// value.
-Picture SonarPicture(const PolarImage& image, SonarView view, std::string caption, std::string alt);
+struct ColourLimits {
+  double low = 0.0;
+  double high = 1.0;
+};
+
+// Colours run over `limits`. Without them: from 0 to full scale, for other quantities than grey levels from the
+// lowest to the highest value.
+Picture SonarPicture(const PolarImage& image, SonarView view, std::string caption, std::string alt,
+                     const std::optional<ColourLimits>& limits = {});
 
 // Real image in blue plus simulated image in orange. `real`: what the real side is called.
 Picture OverlayPicture(const PolarImage& real_image, const PolarImage& simulated, SonarView view,

@@ -192,6 +192,12 @@ void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::
   }
 }
 
+void AddSyntheticRecordingCallout(HtmlReport& report, bool is_synthetic, const std::string& name) {
+  if (!is_synthetic) return;
+  report.Callout(CalloutKind::kSynthetic, "The recording is synthetic",
+                 fmt::format("No sonar recorded {}: it was made by a simulation.", name));
+}
+
 void AddKeyFigures(HtmlReport& report, const metrics::MetricsReport& metrics) {
   const metrics::Aggregate::Views& macro = metrics.aggregate.macro;
   const metrics::IntensityDomain domain = metrics.options.intensity_domain;

@@ -14,6 +14,9 @@ namespace sonarcal::report {
 // Adds a box that states which side is synthetic, also if a sonar recorded the real side.
 void AddSyntheticCallout(HtmlReport& report, bool real_is_synthetic, const std::string& real_name);
 
+// Adds a box to the page of one recording, if it is synthetic.
+void AddSyntheticRecordingCallout(HtmlReport& report, bool is_synthetic, const std::string& name);
+
 // Opens a page: a frame as recorded (or synthetic), simulated and overlaid, then the result in two sentences.
 // `caption`: which frame it is, such as "after the fit".
 void AddOpening(HtmlReport& report, const workflow::ComparedFrame& frame, const std::string& caption,

@@ -59,33 +59,27 @@ PolarAxes AxesOf(const calib::EchoWindow& window, const PolarAxes& axes) {
           .beam_azimuth_rad = window.beam_azimuth_rad};
 }
 
-// Levels from `lowest_db` to `highest_db` as grey values, so that pictures share a scale.
-PolarImage LevelImage(const std::vector<double>& power, const PolarAxes& axes, double lowest_db,
-                      double highest_db) {
+PolarImage LevelImage(const std::vector<double>& power, const PolarAxes& axes) {
   PolarImage image{axes, ImageScale(), Grid<float>(axes.range_bins, axes.beam_count())};
-  image.scale.db_min = lowest_db;
-  image.scale.db_max = highest_db;
-  for (std::size_t i = 0; i < power.size(); ++i) {
-    const double share = (DbFromPower(std::max(power[i], 1e-300)) - lowest_db) / (highest_db - lowest_db);
-    image.value.values()[i] = static_cast<float>(255.0 * std::clamp(share, 0.0, 1.0));
-  }
+  image.scale.quantity = Quantity::kDecibel;
+  for (std::size_t i = 0; i < power.size(); ++i)
+    image.value.values()[i] = static_cast<float>(DbFromPower(std::max(power[i], 1e-300)));
   return image;
 }
 
 void AddPictures(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes) {
   const PolarAxes window = AxesOf(fit.shown, axes);
   const auto [least, most] = std::minmax_element(fit.shown_model.begin(), fit.shown_model.end());
-  const double highest_db = DbFromPower(*most) + 1.0;
-  const double lowest_db = DbFromPower(*least) - 10.0;
+  const ColourLimits limits_db{.low = DbFromPower(*least) - 10.0, .high = DbFromPower(*most) + 1.0};
   report.Add(PictureRow{
       .caption =
-          fmt::format("The sphere in frame {}, whose level is the median: powers about its peak, {:.0f} dB "
-                      "from black to white.",
-                      fit.shown.frame, highest_db - lowest_db),
-      .pictures = {SonarPicture(LevelImage(fit.shown.power, window, lowest_db, highest_db), SonarView::kPolar,
-                                "Recorded", "Recorded powers about the sphere"),
-                   SonarPicture(LevelImage(fit.shown_model, window, lowest_db, highest_db), SonarView::kPolar,
-                                "Fitted, with the mean noise", "Expected powers about the sphere")},
+          fmt::format("The sphere in frame {}, whose level is the median: received power about its peak.",
+                      fit.shown.frame),
+      .pictures = {SonarPicture(LevelImage(fit.shown.power, window), SonarView::kPolar, "Recorded",
+                                "Recorded powers about the sphere", limits_db),
+                   SonarPicture(LevelImage(fit.shown_model, window), SonarView::kPolar,
+                                "Fitted, with the mean noise", "Expected powers about the sphere",
+                                limits_db)},
       .columns = 2});
 }
 
