@@ -332,6 +332,8 @@ class StandardTargetFitter {
           recording_.info().scale.full_scale / (initial_.display.db_max - initial_.display.db_min);
     }
     FillFrames();
+    fit_.level_sigma_db = std::hypot(
+        fit_.level_sigma_db, options_.display_sigma_share * (fit_.received_db - initial_.display.db_min));
     FillTargetReport(state_, sonar_, initial_, fit_);
   }
 
@@ -355,6 +357,8 @@ class StandardTargetFitter {
     fit_.shown_model =
         EchoPowerOf(fit_.shown, state_.data.setting, state_.solution.echo, state_.solution.frames[median],
                     SensitivityOf(state_.data, state_.solution.group_db, fit_.shown));
+    fit_.received_db = DbFromPower(*std::max_element(fit_.shown_model.begin(), fit_.shown_model.end())) +
+                       fit_.level_db - fit_.frames[median].level_db;
     for (double& power : fit_.shown_model) power += std::exp(state_.solution.frames[median].log_noise);
   }
 

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "calib/fit_report.h"
+#include "calib/standard_target/display_slope.h"
 #include "calib/standard_target/point_echo_fit.h"
 #include "calib/standard_target/sphere_strength.h"
 #include "calib/standard_target/target_position.h"
@@ -39,6 +40,8 @@ struct StandardTargetOptions {
   StandardSphere sphere;
   TargetSearch search = {};
   std::vector<int> frames = {};  // empty: all
+  // Relative standard error of the display's span (display_slope.h).
+  double display_sigma_share = 0.0;
   // Called with done = 0 at the start of each step.
   std::function<void(const std::string& step, int done, int total)> progress = {};
 };
@@ -62,14 +65,16 @@ struct StandardTargetFit {
   SphereStrength strength;
   double level_db = 0.0;         // source level plus gain
   double level_sigma_db = 0.0;   // with that of the sphere's target strength
+  double received_db = 0.0;      // level at which the sphere is shown, in the frame of the median level
   double level_spread_db = 0.0;  // standard deviation of the frames' levels; 0: not estimated
   double reference_range_m = 0.0;
   std::vector<TargetFrame> frames;
   std::vector<FrameLeftOut> left_out;
   std::optional<TargetPosition> position = {};
-  std::string elevation_unknown = {};             // why, if there is no position
-  std::vector<int> beams_determined = {};         // beams with a sensitivity of their own
-  std::optional<double> grey_levels_per_db = {};  // display law log: of the given display
+  std::string elevation_unknown = {};              // why, if there is no position
+  std::vector<int> beams_determined = {};          // beams with a sensitivity of their own
+  std::optional<double> grey_levels_per_db = {};   // display law log
+  std::optional<DisplaySlope> display_slope = {};  // of the display as given, if a second target tells it
   // For pictures: the sphere in the frame used whose level is the median.
   EchoWindow shown;
   std::vector<double> shown_model;  // expected power of its pixels

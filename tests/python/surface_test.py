@@ -98,7 +98,7 @@ ELSEWHERE = {
     "compare": {"real", "sim", "sonar", "out", "force", "sweep-csv", "pictures", "fail-above", "part", "merge"},
     "fit": {"real", "sonar", "scene", "scene-unit", "scene-up", "params", "poses", "out", "force", "noise-only", "still",
             "range-min", "range-max", "find-background", "hold-out-bands", "reject-beyond", "standard-target", "diameter-mm",
-            "bandwidth-khz", "temperature-sigma"},
+            "bandwidth-khz", "temperature-sigma", "second-target"},
     "calibrate": {"real", "poses", "scene", "scene-unit", "scene-up", "out", "force", "resume"},
     "judge-noise": {"params", "real", "out", "force"},
     "locate": {"real", "target", "scene-unit", "scene-up", "out", "force"},

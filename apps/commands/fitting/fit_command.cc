@@ -185,7 +185,8 @@ std::string SummaryText(const workflow::RecordingFit& fit, const std::string& re
 void RefuseWithoutEffect(const CLI::App& command, const FitCommandOptions& options) {
   const cli::OptionNames noise_options = {"--find-background", "--hold-out-bands", "--reject-beyond"};
   const cli::OptionNames range_options = {"--range-min", "--range-max"};
-  const cli::OptionNames target_options = {"--diameter-mm", "--bandwidth-khz", "--temperature-sigma"};
+  const cli::OptionNames target_options = {"--diameter-mm", "--bandwidth-khz", "--temperature-sigma",
+                                           "--second-target"};
   const auto with = [](cli::OptionNames names, std::initializer_list<cli::OptionNames> others) {
     for (const cli::OptionNames& other : others) names.insert(names.end(), other.begin(), other.end());
     return names;
@@ -337,6 +338,12 @@ CLI::Option* AddStandardTargetOptions(CLI::App* command, StandardTargetChoice* t
       10000.0);
   add("--temperature-sigma", target->temperature_sigma_c,
       "Standard target: standard error of the temperature of the water", "C", 50.0);
+  command
+      ->add_option(
+          "--second-target", target->second,
+          "Standard target: fit.json of another target, recorded with the same settings; both fix the "
+          "slope of the display")
+      ->type_name("JSON");
   return shape;
 }
 

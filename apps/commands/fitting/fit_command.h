@@ -22,6 +22,7 @@ struct StandardTargetChoice {
   std::optional<double> diameter_mm;
   std::optional<double> bandwidth_khz;  // absent: that of the pulse
   double temperature_sigma_c = 1.0;
+  std::filesystem::path second;  // fit.json of another target; empty: none
 };
 
 struct FitCommandOptions {

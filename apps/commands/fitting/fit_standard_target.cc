@@ -20,6 +20,7 @@
 #include "calib/standard_target/standard_target_fit.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
+#include "data_io/json/json_reader.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
 #include "sim/physics/absorption.h"
@@ -44,6 +45,15 @@ calib::StandardTargetOptions TargetOptions(const FitCommandOptions& options, int
   return fit;
 }
 
+calib::TargetLevel LevelIn(const std::filesystem::path& fit_json) {
+  const data_io::JsonReader json = data_io::JsonReader::FromFile(fit_json);
+  const std::optional<data_io::JsonReader> target = json.Find("standard_target");
+  if (!target) json.Fail("is no fit of a standard target");
+  return {.level_db = target->At("level_db").Number(),
+          .level_sigma_db = target->At("level_sigma_db").Number(),
+          .received_db = target->At("received_db").Number()};
+}
+
 cli::Provenance ProvenanceOf(const FitCommandOptions& options, const calib::StandardTargetOptions& fit,
                              const Water& water) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -54,6 +64,7 @@ cli::Provenance ProvenanceOf(const FitCommandOptions& options, const calib::Stan
                         {"diameter_mm", *options.standard_target.diameter_mm},
                         {"bandwidth_khz", number(options.standard_target.bandwidth_khz)},
                         {"temperature_sigma_c", fit.sphere.temperature_sigma_c},
+                        {"second_target", options.standard_target.second.string()},
                         {"range_min_m", number(options.range_min_m)},
                         {"range_max_m", number(options.range_max_m)},
                         {"real", options.real.string()},
@@ -66,6 +77,7 @@ cli::Provenance ProvenanceOf(const FitCommandOptions& options, const calib::Stan
       .inputs = {options.real}};
   if (!options.params.empty()) provenance.inputs.push_back(options.params);
   if (!options.poses.empty()) provenance.inputs.push_back(options.poses);
+  if (!options.standard_target.second.empty()) provenance.inputs.push_back(options.standard_target.second);
   return provenance;
 }
 
@@ -79,7 +91,14 @@ cli::ExitStatus RunFitStandardTarget(const FitCommandOptions& options) {
   }
   const RecordingInfo& info = recording->info();
   calib::StandardTargetOptions fit_options = TargetOptions(options, recording->frame_count());
-  const ParameterSet initial = ParametersWithDisplay(options, info);
+  ParameterSet initial = ParametersWithDisplay(options, info);
+  std::optional<calib::TargetLevel> second;
+  if (!options.standard_target.second.empty()) {
+    second = LevelIn(options.standard_target.second);
+    if (initial.display.law != DisplayLaw::kLog)
+      throw DataError("display law {}: a second target fixes the slope of a display of law log only",
+                      ToString(initial.display.law));
+  }
   const workflow::WaterChoice water = workflow::ChooseWater(initial, info.water);
   if (!water.note.empty()) cli::PrintNote(options.common, water.note);
   const double absorption_db_per_m =
@@ -90,8 +109,22 @@ cli::ExitStatus RunFitStandardTarget(const FitCommandOptions& options) {
     if (done == 0 || !progress) progress.emplace(step, total, options.common);
     progress->Update(done);
   };
-  const calib::StandardTargetFit fit =
-      calib::FitStandardTarget(*recording, initial, water.water, absorption_db_per_m, fit_options);
+  const auto fit_target = [&] {
+    return calib::FitStandardTarget(*recording, initial, water.water, absorption_db_per_m, fit_options);
+  };
+  calib::StandardTargetFit fit = fit_target();
+  if (second && fit.usable) {
+    const calib::DisplaySlope slope = calib::SlopeOfTwoTargets(
+        {.level_db = fit.level_db, .level_sigma_db = fit.level_sigma_db, .received_db = fit.received_db},
+        *second);
+    if (!slope.AgreesWithDisplay()) {
+      DisplayParameters<double>& display = initial.display;
+      display.db_max = display.db_min + slope.db_per_shown_db * (display.db_max - display.db_min);
+      fit_options.display_sigma_share = slope.sigma / slope.db_per_shown_db;
+      fit = fit_target();
+    }
+    fit.display_slope = slope;
+  }
   progress.reset();
 
   const cli::Provenance provenance = ProvenanceOf(options, fit_options, water.water);

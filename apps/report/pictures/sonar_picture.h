@@ -23,8 +23,8 @@ struct ColourLimits {
   double high = 1.0;
 };
 
-// Colours run over `limits`. Without them: from 0 to full scale, for other quantities than grey levels from the
-// lowest to the highest value.
+// Colours run over `limits`. Without them: from 0 to full scale, for other quantities than grey levels from
+// the lowest to the highest value.
 Picture SonarPicture(const PolarImage& image, SonarView view, std::string caption, std::string alt,
                      const std::optional<ColourLimits>& limits = {});
 

@@ -30,6 +30,19 @@ std::string ValueText(const calib::FittedParameter& parameter) {
                          : fmt::format("{:.4g}", parameter.value);
 }
 
+std::string GreyLevelsText(const calib::StandardTargetFit& fit) {
+  if (!fit.display_slope)
+    return fmt::format("grey levels per dB, of the display as given: {:.3f}", *fit.grey_levels_per_db);
+  const auto& [slope, sigma] = *fit.display_slope;
+  const std::string shown = fmt::format("the display as given shows {:.3f} +- {:.3f} dB per dB", 1.0 / slope,
+                                        sigma / (slope * slope));
+  if (fit.display_slope->AgreesWithDisplay())
+    return fmt::format("grey levels per dB: {:.3f}; by both targets {}, so it is kept",
+                       *fit.grey_levels_per_db, shown);
+  return fmt::format("grey levels per dB, by both targets: {:.3f} +- {:.3f}; {}", *fit.grey_levels_per_db,
+                     *fit.grey_levels_per_db * sigma / slope, shown);
+}
+
 bool IsSensitivity(const calib::FittedParameter& parameter) {
   return parameter.name.starts_with("beam.sensitivity_db.");
 }
@@ -187,6 +200,11 @@ std::vector<std::string> StandardTargetInWords(const calib::StandardTargetFit& f
       fmt::format("Source level plus gain is {:.2f} +- {:.2f} dB.", fit.level_db, fit.level_sigma_db),
       fmt::format("The sphere was found in {} of {} frames; its target strength is {}.", fit.frames.size(),
                   fit.frames.size() + fit.left_out.size(), StrengthText(fit.strength))};
+  if (fit.grey_levels_per_db) {
+    std::string text = GreyLevelsText(fit) + ".";
+    text.front() = 'G';
+    sentences.push_back(text);
+  }
   if (fit.level_spread_db > 0.0) {
     sentences.push_back(
         fmt::format("The levels of the frames scatter by {:.2f} dB beyond noise.", fit.level_spread_db));
@@ -205,8 +223,7 @@ std::string StandardTargetText(const calib::StandardTargetFit& fit) {
   text += fmt::format("  source level + gain: {:.2f} +- {:.2f} dB\n", fit.level_db, fit.level_sigma_db);
   if (fit.level_spread_db > 0.0)
     text += fmt::format("    levels of frames scatter by {:.2f} dB beyond noise\n", fit.level_spread_db);
-  if (fit.grey_levels_per_db)
-    text += fmt::format("  grey levels per dB, of the display as given: {:.3f}\n", *fit.grey_levels_per_db);
+  if (fit.grey_levels_per_db) text += "  " + GreyLevelsText(fit) + "\n";
   for (const calib::FittedParameter& parameter : fit.report.parameters) {
     if (IsSensitivity(parameter) || parameter.name == "source_level_db") continue;
     text += fmt::format("  {:<27} {:>22}  {}{}\n", parameter.name, ValueText(parameter), parameter.unit,
@@ -246,6 +263,9 @@ std::string StandardTargetMember(const calib::StandardTargetFit& fit) {
                 {"range_error_m", fit.position->range_error_m},
                 {"azimuth_error_deg", DegFromRad(fit.position->azimuth_error_rad)}};
   }
+  Json slope = nullptr;
+  if (fit.display_slope)
+    slope = {{"db_per_shown_db", fit.display_slope->db_per_shown_db}, {"sigma", fit.display_slope->sigma}};
   const Json member = {{"target_strength_db", fit.strength.db},
                        {"target_strength_sigma_db", fit.strength.sigma_db},
                        {"front_face_alone", fit.strength.front_face},
@@ -254,9 +274,11 @@ std::string StandardTargetMember(const calib::StandardTargetFit& fit) {
                        {"level_db", fit.level_db},
                        {"level_sigma_db", fit.level_sigma_db},
                        {"level_spread_db", fit.level_spread_db},
+                       {"received_db", fit.received_db},
                        {"reference_range_m", fit.reference_range_m},
                        {"time_varied_gain", ToString(fit.parameters.receiver.time_varied_gain)},
                        {"grey_levels_per_db", number(fit.grey_levels_per_db)},
+                       {"display_slope", slope},
                        {"beams_determined", fit.beams_determined},
                        {"target_in_world", position},
                        {"frames", frames},

@@ -238,6 +238,37 @@ TEST_F(StandardTargetFitTest, ClippedMissingAndOddSpheresAreLeftOutAndSaidSo) {
   EXPECT_NEAR(fit.level_db, TruthLevelDb(), 0.25);  // 3.5 standard errors of nine frames
 }
 
+// The fits believe in 60 dB from black to white; there are 75.
+TEST_F(StandardTargetFitTest, TwoSpheresGiveTheSlopeOfTheDisplay) {
+  RecordShortRanges();
+  PlaceSphere(12, 3.0, 3.3, 0.5, 0.0);
+  const auto fit_sphere = [&](double diameter_m) {
+    options_.sphere.diameter_m = diameter_m;
+    recording_.cross_section_m2 = PowerFromDb(TruthStrengthDb());
+    return Fit();
+  };
+  const auto level = [](const StandardTargetFit& fit) {
+    return TargetLevel{fit.level_db, fit.level_sigma_db, fit.received_db};
+  };
+  initial_.display.db_max = 160.0;
+  const StandardTargetFit small = fit_sphere(kDiameterM);
+  const StandardTargetFit large = fit_sphere(5.0 * kDiameterM);
+  EXPECT_GT(std::abs(large.level_db - small.level_db), 2.0) << "the wrong display shows";
+  const DisplaySlope slope = SlopeOfTwoTargets(level(large), level(small));
+  EXPECT_NEAR(slope.db_per_shown_db, 1.25, 0.03);
+  // The standard error contains those of the strengths, which are exact here.
+  EXPECT_LT(std::abs(slope.db_per_shown_db - 1.25), 2.0 * slope.sigma);
+
+  initial_.display.db_max = 100.0 + 60.0 * slope.db_per_shown_db;
+  options_.display_sigma_share = slope.sigma / slope.db_per_shown_db;
+  const StandardTargetFit again = Fit();
+  EXPECT_NEAR(again.level_db, TruthLevelDb(), 1.0);
+  EXPECT_NEAR(again.level_sigma_db,
+              std::hypot(large.level_sigma_db, options_.display_sigma_share * (again.received_db - 100.0)),
+              0.1);
+  EXPECT_THROW(SlopeOfTwoTargets(level(large), level(large)), DataError);
+}
+
 TEST_F(StandardTargetFitTest, RecordingWithoutSphereIsRefused) {
   PlaceSphere(3, 3.0, 3.3, 0.5, 0.0);
   recording_.cross_section_m2 = 1e-20;
