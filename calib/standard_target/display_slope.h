@@ -5,7 +5,7 @@
 
 namespace sonarcal::calib {
 
-// What the fit of one target says.
+// Result of the fit of one target.
 struct TargetLevel {
   double level_db = 0.0;        // source level plus gain
   double level_sigma_db = 0.0;  // with that of the target's strength
