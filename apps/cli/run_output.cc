@@ -52,7 +52,7 @@ bool HoldsAnything(const fs::path& folder) {
 
 struct EarlierRun {
   std::string command;
-  std::vector<fs::path> outputs;
+  std::set<fs::path> outputs;
 };
 
 // Run that wrote the folder, from provenance.json; nullopt if unknown.
@@ -64,17 +64,18 @@ std::optional<EarlierRun> ReadEarlierRun(const fs::path& folder) {
   if (!command.is_string() || !outputs.is_array()) return std::nullopt;
   EarlierRun run{.command = command, .outputs = {}};
   for (const Json& output : outputs) {
-    if (output.is_string()) run.outputs.emplace_back(output.get<std::string>());
+    if (output.is_string()) run.outputs.insert(output.get<std::string>());
   }
   return run;
 }
 
-// Outputs of an earlier run that the new outputs replace.
-std::vector<fs::path> OutputsToReplace(const fs::path& folder, const std::string& command, bool force) {
-  if (!HoldsAnything(folder)) return {};
+// Outputs of an earlier run that the new outputs replace; nullopt if `folder` is not one of `command`.
+std::optional<std::set<fs::path>> OutputsToReplace(const fs::path& folder, const std::string& command,
+                                                   bool force) {
+  if (!HoldsAnything(folder)) return std::set<fs::path>();
   const std::optional<EarlierRun> earlier = ReadEarlierRun(folder);
   if (earlier && earlier->command == command) return earlier->outputs;
-  if (force) return {};
+  if (force) return std::nullopt;
   throw DataError(
       "{}: {}, expected a new or empty folder, one that 'sonarcal {}' wrote, or --force, which replaces "
       "files "
@@ -100,22 +101,30 @@ CLI::Option* AddOutFolder(CLI::App& command, fs::path& out, CommonOptions& commo
 
 RunOutput::RunOutput(const fs::path& folder, std::string command, bool force, data_io::Aside aside)
     : command_(std::move(command)),
-      earlier_(OutputsToReplace(folder, command_, force)),
-      directory_(folder, aside) {
-  if (directory_.found()) return;
-  const std::lock_guard lock(Unfinished().mutex);
-  Unfinished().staging.insert(directory_.staging());
+      force_(force),
+      replaces_(OutputsToReplace(folder, command_, force).has_value()),
+      directory_(folder, aside),
+      staging_(directory_.staging()) {
+  // Again, because `directory_` restores a folder that a killed run left aside.
+  replaces_ = OutputsToReplace(folder, command_, force).has_value();
+  if (!directory_.found()) Register();
 }
 
-RunOutput::RunOutput(const fs::path& folder, data_io::Aside aside) : directory_(folder, aside) {
+RunOutput::RunOutput(const fs::path& folder, data_io::Aside aside)
+    : directory_(folder, aside), staging_(directory_.staging()) {
+  Register();
+}
+
+void RunOutput::Register() {
   const std::lock_guard lock(Unfinished().mutex);
-  Unfinished().staging.insert(directory_.staging());
+  Unfinished().staging.insert(staging_);
+  is_registered_ = true;
 }
 
 void RunOutput::Keep() {
   const std::lock_guard lock(Unfinished().mutex);
-  Unfinished().staging.erase(directory_.staging());
-  Unfinished().kept.insert(directory_.staging());
+  Unfinished().staging.erase(staging_);
+  Unfinished().kept.insert(staging_);
   directory_.Keep();
 }
 
@@ -128,35 +137,53 @@ void RunOutput::Commit() {
     written.push_back(fmt::format("wrote {} ({} bytes)", (final_path() / name).string(), entry.file_size()));
     if (name != kProvenance) outputs.insert(name.generic_string());
   }
-  if (command_.empty()) {
-    directory_.Commit();
-  } else {
-    CommitWithProvenance(std::move(outputs));
-  }
+  if (!command_.empty()) ListOutputs(std::move(outputs));
+  MoveIntoPlace();
   std::ranges::sort(written);
   for (const std::string& sentence : written) PrintDetail(sentence);
 }
 
-void RunOutput::CommitWithProvenance(std::set<std::string> outputs) {
+// Writes the names into provenance.json.
+void RunOutput::ListOutputs(std::set<std::string> outputs) {
   if (goes_on_) {
-    for (const fs::path& name : earlier_) outputs.insert(name.generic_string());
+    for (const fs::path& name : OutputsOfEarlierRun()) outputs.insert(name.generic_string());
   }
   Json provenance = ReadLeniently(staging() / kProvenance);
   SONARCAL_CHECK(provenance.is_object(), "{}: no provenance of this run", final_path().string());
   provenance["outputs"] = outputs;
   data_io::WriteJson(staging() / kProvenance, provenance);
-  directory_.Commit(goes_on_ ? std::vector<fs::path>() : earlier_);
+}
+
+std::set<fs::path> RunOutput::OutputsOfEarlierRun() const {
+  return OutputsToReplace(final_path(), command_, force_).value_or(std::set<fs::path>());
+}
+
+// An interruption waits for the end of it, because it needs the same mutex.
+void RunOutput::MoveIntoPlace() {
+  Registry& registry = Unfinished();
+  const std::lock_guard lock(registry.mutex);
+  if (is_registered_ && !registry.staging.contains(staging_) && !registry.kept.contains(staging_)) {
+    throw DataError("{}: cannot be written: interrupted", final_path().string());
+  }
+  if (replaces_) {
+    directory_.Replace([this] { return goes_on_ ? std::set<fs::path>() : OutputsOfEarlierRun(); });
+  } else {
+    directory_.Commit();
+  }
+  registry.staging.erase(staging_);
+  registry.kept.erase(staging_);
 }
 
 RunOutput::~RunOutput() {
   const std::lock_guard lock(Unfinished().mutex);
-  Unfinished().staging.erase(directory_.staging());
-  Unfinished().kept.erase(directory_.staging());
+  Unfinished().staging.erase(staging_);
+  Unfinished().kept.erase(staging_);
 }
 
 bool RemoveUnfinishedOutputs() {
-  const std::lock_guard lock(Unfinished().mutex);
-  for (const fs::path& staging : Unfinished().staging) {
+  Registry& registry = Unfinished();
+  const std::lock_guard lock(registry.mutex);
+  for (const fs::path& staging : registry.staging) {
     // Repeats the removal: it fails if another thread writes a file meanwhile.
     std::error_code error;
     for (int attempt = 0; attempt < 10; ++attempt) {
@@ -164,7 +191,8 @@ bool RemoveUnfinishedOutputs() {
       if (!error) break;
     }
   }
-  return !Unfinished().kept.empty();
+  registry.staging.clear();
+  return !registry.kept.empty();
 }
 
 }  // namespace sonarcal::cli

@@ -1,14 +1,14 @@
 // Output folder of one run of a command: OutputDirectory of data_io, which is also removed when the program
 // is interrupted, with a provenance.json.
 //
-// A folder belongs to one command. provenance.json lists the files that a run wrote (`outputs`), and the next
-// run removes those that it does not replace. A folder with other contents is refused without --force.
+// A folder belongs to one command. provenance.json lists the files that a run wrote (`outputs`). The next run
+// of the command puts its outputs in the place of these in one step, and other files stay. A folder with
+// other contents is refused without --force, which moves the files into it one by one.
 #pragma once
 
 #include <filesystem>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "apps/cli/command.h"
 #include "data_io/files/atomic_output.h"
@@ -27,7 +27,7 @@ CLI::Option* AddOutFolder(CLI::App& command, std::filesystem::path& out, CommonO
 // hidden files. RunOutput checks this too; this function is for commands that write late.
 void CheckOutFolder(const std::filesystem::path& folder, const std::string& command, bool force);
 
-// Writes the outputs of a run beside the folder, and moves them into it at the end:
+// Writes the outputs of a run aside, and moves them into the folder at the end:
 //
 //   RunOutput output(options.out, "compare", options.common.force);
 //   WriteJson(output / "metrics.json", metrics);
@@ -59,18 +59,24 @@ class RunOutput {
   // Continues the earlier run: its files stay and are listed.
   void GoOn() { goes_on_ = true; }
 
-  // Needs a provenance.json of the run, except with Beside.
+  // Needs a provenance.json of the run, except with Beside. An interruption meanwhile takes effect after it.
   void Commit();
 
  private:
-  void CommitWithProvenance(std::set<std::string> outputs);
+  void Register();
+  void ListOutputs(std::set<std::string> outputs);
+  std::set<std::filesystem::path> OutputsOfEarlierRun() const;
+  void MoveIntoPlace();
 
   explicit RunOutput(const std::filesystem::path& folder, data_io::Aside aside = data_io::Aside::kThisRun);
 
-  std::string command_;                         // empty: Beside
-  std::vector<std::filesystem::path> earlier_;  // outputs of the earlier run
+  std::string command_;  // empty: Beside
+  bool force_ = false;
+  bool replaces_ = false;  // the outputs of an earlier run, or none
   bool goes_on_ = false;
+  bool is_registered_ = false;  // removed at an interruption, unless kept
   data_io::OutputDirectory directory_;
+  std::filesystem::path staging_;  // before Commit()
 };
 
 // Removes staged files of runs that are not committed. For the end of an interrupted program. Returns whether

@@ -1,15 +1,8 @@
 #include "data_io/files/atomic_output.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -19,13 +12,6 @@ namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Name that no other process or thread uses. mkstemp is not used because its files are readable only for
-// their owner; outputs must follow the user's umask.
-std::string UniqueName(const std::string& stem) {
-  static std::atomic<unsigned> counter{0};
-  return fmt::format(".{}.partial-{}-{}", stem, getpid(), counter++);
-}
 
 [[noreturn]] void FailToWrite(const fs::path& path, const std::error_code& error) {
   throw DataError("{}: cannot be written: {}", path.string(), error.message());
@@ -51,11 +37,30 @@ int Turn(const fs::path& path) {
   return path.extension() == ".json" ? 1 : 0;
 }
 
+// Names of the files to move into `place`, in their order. Throws DataError if one is in the way of another.
+std::vector<fs::path> StagedFiles(const fs::path& staging, const fs::path& place) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging)) {
+    const fs::path name = entry.path().lexically_relative(staging);
+    if (!entry.is_directory()) {
+      files.push_back(name);
+      RefuseWhatIsNoFile(place / name);
+    } else if (fs::exists(place / name) && !fs::is_directory(place / name)) {
+      throw DataError("{}: cannot be written: there is a file of this name, expected a directory or nothing",
+                      (place / name).string());
+    }
+  }
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return Turn(a) != Turn(b) ? Turn(a) < Turn(b) : a < b;
+  });
+  return files;
+}
+
 }  // namespace
 
 void WriteFileWhole(const fs::path& file, std::string_view bytes) {
   RefuseWhatIsNoFile(file);
-  const fs::path aside = file.parent_path() / UniqueName(file.filename().string());
+  const fs::path aside = UniquePath(file.parent_path(), file);
   errno = 0;
   std::ofstream stream(aside, std::ios::binary);
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -77,34 +82,47 @@ OutputDirectory::OutputDirectory(const fs::path& directory, Aside aside)
     : final_((fs::absolute(directory) / "").lexically_normal().parent_path()) {
   std::error_code error;
   const fs::file_status status = fs::status(final_, error);
-  const bool exists = fs::exists(status);
-  if (exists && !fs::is_directory(status)) {
+  if (fs::exists(status) && !fs::is_directory(status)) {
     throw DataError("{}: cannot be the output directory: it is a file", directory.string());
   }
-  // The temporary directory lies inside an existing directory (its parent may be on another disk or not
-  // writable), and beside a directory that does not exist yet.
-  for (fs::path parent = final_.parent_path(); !exists && !fs::exists(parent, error);
-       parent = parent.parent_path()) {
+  try {
+    Stage(aside);
+  } catch (const fs::filesystem_error& failure) {
+    RemoveMadeParents();
+    FailToWrite(final_, failure.code());
+  } catch (...) {
+    RemoveMadeParents();
+    throw;
+  }
+}
+
+// The staged files lie inside an existing directory (its parent may be on another disk or not writable), and
+// beside a directory that does not exist yet.
+void OutputDirectory::Stage(Aside aside) {
+  std::error_code error;
+  place_ = fs::canonical(final_, error);
+  if (error) place_ = final_;
+  for (fs::path parent = place_.parent_path(); !fs::exists(parent, error); parent = parent.parent_path()) {
     made_parents_.insert(made_parents_.begin(), parent);
   }
   for (const fs::path& parent : made_parents_) {
-    if (!fs::create_directory(parent, error) && error) FailToWrite(directory, error);
+    if (!fs::create_directory(parent, error) && error) FailToWrite(final_, error);
   }
-  const std::string name = final_.filename().string();
+  const FolderLock lock = LockOfParent(place_);
+  FinishExchange(place_);
+  RemoveAbandoned(place_);
+  const fs::path where = fs::exists(place_, error) ? place_ : place_.parent_path();
   const bool is_shared = aside != Aside::kThisRun;
-  staging_ = (exists ? final_ : final_.parent_path()) /
-             (is_shared ? fmt::format(".{}.unfinished", name) : UniqueName(name));
+  staging_ = is_shared ? where / UnfinishedName(place_) : UniquePath(where, place_);
   if (!fs::create_directory(staging_, error) && (error || !is_shared)) {
-    FailToWrite(directory, error ? error : std::make_error_code(std::errc::file_exists));
+    FailToWrite(final_, error ? error : std::make_error_code(std::errc::file_exists));
   }
+  lock_ = FolderLock::Try(staging_);
   if (is_shared) TakeOver(aside);
 }
 
-// The lock ends with the process. On a disk without locks there is none.
 void OutputDirectory::TakeOver(Aside aside) {
-  lock_ = open(staging_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    close(lock_);
+  if (lock_.is_busy()) {
     throw DataError("{}: cannot be the output directory: another run is writing it", final_.string());
   }
   std::error_code ignored;
@@ -117,65 +135,89 @@ void OutputDirectory::TakeOver(Aside aside) {
   }
 }
 
-OutputDirectory::~OutputDirectory() {
+void OutputDirectory::RemoveMadeParents() const {
   std::error_code ignored;
-  if (!kept_) fs::remove_all(staging_, ignored);
-  if (lock_ >= 0) close(lock_);
   for (auto parent = made_parents_.rbegin(); parent != made_parents_.rend(); ++parent) {
     fs::remove(*parent, ignored);  // fails, as intended, if the directory is not empty
   }
 }
 
-void OutputDirectory::Commit(const std::vector<fs::path>& stale) {
+OutputDirectory::~OutputDirectory() {
+  std::error_code ignored;
+  if (!kept_ && !staging_.empty()) fs::remove_all(staging_, ignored);
+  RemoveMadeParents();
+}
+
+void OutputDirectory::Commit() {
+  try {
+    MoveIntoPlace(nullptr);
+  } catch (const fs::filesystem_error& failure) {
+    FailToWrite(final_, failure.code());
+  }
+}
+
+void OutputDirectory::Replace(const std::function<Names()>& earlier) {
+  try {
+    MoveIntoPlace(&earlier);
+  } catch (const fs::filesystem_error& failure) {
+    FailToWrite(final_, failure.code());
+  }
+  std::error_code ignored;
+  if (!staging_.empty()) fs::remove_all(staging_, ignored);  // the old directory, after the lock
+}
+
+// After this, `staging_` is what has to be removed.
+void OutputDirectory::MoveIntoPlace(const std::function<Names()>* earlier) {
+  const FolderLock lock = LockOfParent(place_);
+  FinishExchange(place_);
   std::error_code error;
-  if (fs::exists(final_, error)) {
-    MoveFilesIntoPlace(stale);
-  } else {
-    fs::rename(staging_, final_, error);
+  if (!fs::exists(place_, error)) {
+    fs::rename(staging_, place_, error);
     if (error) FailToWrite(final_, error);
+  } else {
+    const std::vector<fs::path> files = StagedFiles(staging_, place_);
+    const Names outdated = earlier != nullptr ? (*earlier)() : Names();
+    fs::path old;
+    if (earlier != nullptr) old = ExchangeFolder(staging_, place_, outdated, error);
+    if (earlier != nullptr && !error) {
+      staging_ = old;
+    } else if (earlier == nullptr || (CannotBeExchanged(error) && fs::exists(staging_))) {
+      MoveFilesIntoPlace(files, outdated);
+    } else {
+      FailToWrite(final_, error);
+    }
   }
   kept_ = false;
 }
 
-void OutputDirectory::MoveFilesIntoPlace(const std::vector<fs::path>& stale) const {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging_)) {
-    const fs::path name = entry.path().lexically_relative(staging_);
-    if (!entry.is_directory()) {
-      files.push_back(name);
-      RefuseWhatIsNoFile(final_ / name);
-    }
-  }
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return Turn(a) != Turn(b) ? Turn(a) < Turn(b) : a < b;
-  });
-  std::vector<fs::path> gone;
-  std::copy_if(stale.begin(), stale.end(), std::back_inserter(gone), [&](const fs::path& name) {
-    return std::find(files.begin(), files.end(), name) == files.end();
-  });
+void OutputDirectory::MoveFilesIntoPlace(const std::vector<fs::path>& files, const Names& outdated) const {
+  Names gone = outdated;
+  for (const fs::path& name : files) gone.erase(name);
   bool is_removed = false;
   for (const fs::path& name : files) {
-    if (Turn(name) == 2 && !std::exchange(is_removed, true)) RemoveStale(gone);
+    if (Turn(name) == 2 && !std::exchange(is_removed, true)) RemoveOutdated(gone);
     std::error_code error;
-    fs::create_directories((final_ / name).parent_path(), error);
-    fs::rename(staging_ / name, final_ / name, error);
+    fs::create_directories((place_ / name).parent_path(), error);
+    fs::rename(staging_ / name, place_ / name, error);
     if (error) FailToWrite(final_ / name, error);
   }
-  if (!is_removed) RemoveStale(gone);
+  if (!is_removed) RemoveOutdated(gone);
 }
 
-void OutputDirectory::RemoveStale(const std::vector<fs::path>& stale) const {
-  std::error_code error;
-  for (const fs::path& name : stale) {
-    const fs::path file = final_ / name;
-    const fs::path folder = fs::canonical(file.parent_path(), error);
-    if (error) continue;
-    const fs::path within = folder.lexically_relative(fs::canonical(final_));
-    if (name.empty() || within.empty() || *within.begin() == "..") continue;
-    if (!fs::is_regular_file(fs::symlink_status(file, error))) continue;
-    if (!fs::remove(file, error) && error) FailToWrite(file, error);
+// Looks for the names among the files that are there, because a name may lead out of the directory.
+void OutputDirectory::RemoveOutdated(const Names& outdated) const {
+  if (outdated.empty()) return;
+  Names present;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(place_)) {
+    const fs::path name = entry.path().lexically_relative(place_);
+    if (entry.symlink_status().type() == fs::file_type::regular && outdated.contains(name))
+      present.insert(name);
+  }
+  for (const fs::path& name : present) {
+    std::error_code error;
+    if (!fs::remove(place_ / name, error) && error) FailToWrite(final_ / name, error);
     for (fs::path parent = name.parent_path(); !parent.empty(); parent = parent.parent_path()) {
-      if (!fs::remove(final_ / parent, error)) break;  // fails, as intended, if the directory is not empty
+      if (!fs::remove(place_ / parent, error)) break;  // fails, as intended, if the directory is not empty
     }
   }
 }

@@ -154,7 +154,12 @@ std::unique_ptr<RecordingSource> OpenRecordingOf(const fs::path& images, const f
 void WriteRecording(const RecordingSource& recording, const fs::path& folder,
                     const WriteRecordingOptions& options) {
   OutputDirectory output(folder);
-  if (WriteRecording(recording, output, options) > 0) output.Commit();
+  if (WriteRecording(recording, output, options) == 0) return;
+  if (IsRecordingFolder(folder)) {
+    output.Replace([] { return std::set<fs::path>(); });
+  } else {
+    output.Commit();
+  }
 }
 
 int WriteRecording(const RecordingSource& recording, const OutputDirectory& output,
