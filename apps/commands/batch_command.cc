@@ -15,6 +15,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/interruption.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/run_output.h"
 #include "apps/commands/commands.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
@@ -74,8 +75,10 @@ cli::ExitStatus ListJobs(const BatchOptions& options, const batch::BatchPlan& pl
 // failed.
 cli::ExitStatus Finish(const BatchOptions& options, const fs::path& out, batch::BatchRunner& runner) {
   const Json summary = batch::BatchSummaryJson(runner.plan(), runner.States(), out);
-  data_io::WriteFileWhole(out / "summary.csv", batch::BatchSummaryCsv(summary));
-  data_io::WriteJson(out / "summary.json", summary);
+  cli::RunOutput output = cli::RunOutput::Beside(out);
+  data_io::WriteFileWhole(output / "summary.csv", batch::BatchSummaryCsv(summary));
+  data_io::WriteJson(output / "summary.json", summary);
+  output.Commit();
   const int done = summary.at("done");
   const int failed = summary.at("failed");
   const int waiting = summary.at("waiting");
