@@ -208,7 +208,8 @@ void OutputDirectory::MoveFilesIntoPlace(const std::vector<fs::path>& files, con
 void OutputDirectory::RemoveOutdated(const Names& outdated) const {
   if (outdated.empty()) return;
   Names present;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(place_)) {
+  constexpr auto kOptions = fs::directory_options::skip_permission_denied;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(place_, kOptions)) {
     const fs::path name = entry.path().lexically_relative(place_);
     if (entry.symlink_status().type() == fs::file_type::regular && outdated.contains(name))
       present.insert(name);

@@ -77,7 +77,7 @@ struct WriteRecordingOptions {
 
 // Writes frame by frame, so a recording of any length needs constant memory. All frames must share axes and
 // scale. `scene_path` is written relative to the folder; the scene itself is not copied. The folder appears
-// completely or not at all.
+// completely or not at all. The files of an earlier recording are replaced in one step; others stay.
 void WriteRecording(const RecordingSource& recording, const std::filesystem::path& folder,
                     const WriteRecordingOptions& options = {});
 
