@@ -25,7 +25,8 @@ TEST(RayCount, StaggeredColumnsBringAFrameNearToVeryMany) {
   alike.stagger = false;
   alike.stagger_rows = false;
   for (const int frame : {0, 3, 7}) {
-    const AcousticFrameModel model(tank.simulator, tank.Frames({frame}), truth);
+    const std::vector<AcousticFrame> frames = tank.Frames({frame});
+    const AcousticFrameModel model(tank.simulator, frames, truth);
     const auto power = [&](const sim::RayFanOptions& rays) {
       const AcousticFrameModel::Rays traced{model.SimulatorAt(model.initial_values()),
                                             sim::RayFan(tank.simulator.sonar(), rays)};
