@@ -1,7 +1,8 @@
 // Distribution of an image's background as plain numbers, e.g. from `sonarcal fit --noise-only`.
 //
 // The received power of a pixel is mean_power times a Gamma variable of mean 1 and shape `looks`, independent
-// between pixels. The display shows power P as the value v with power_of_value(v) = P.
+// between pixels. For a background with texture (K law, fewer than one look) this has the right variance. The
+// display shows power P as the value v with power_of_value(v) = P.
 #pragma once
 
 #include <functional>
@@ -10,9 +11,12 @@
 
 namespace sonarcal::metrics {
 
+inline constexpr double kLeastLooks = 0.05;
+inline constexpr double kMostLooks = 1000.0;
+
 struct BackgroundLaw {
   Grid<float> mean_power;  // range_bins x beam_count, positive, in any unit
-  double looks = 1.0;      // 0.5..1000
+  double looks = 1.0;      // kLeastLooks..kMostLooks
   // Power displayed as v (fraction of full scale, 0..1), increasing, in the unit of mean_power.
   std::function<double(double value)> power_of_value;
 };

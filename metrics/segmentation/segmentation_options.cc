@@ -1,5 +1,7 @@
 #include "metrics/segmentation/segmentation_options.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <string>
@@ -59,7 +61,8 @@ void SegmentationOptions::Check() const {
   for (const auto& [field, value] : {std::pair{"cell_rows", cell_rows}, {"cell_cols", cell_cols}}) {
     Require(value >= 1 && value <= 101 && value % 2 == 1, field, value, "an odd number from 1 to 101");
   }
-  Require(looks >= 0.5 && looks <= 1000.0, "looks", looks, "0.5 to 1000");
+  Require(looks >= kLeastLooks && looks <= kMostLooks, "looks", looks,
+          fmt::format("{} to {}", kLeastLooks, kMostLooks));
   Require(os_quantile >= 0.01 && os_quantile <= 0.99, "os_quantile", os_quantile, "0.01 to 0.99");
   if (method == SegmentationMethod::kLikelihoodRatio && background_law == nullptr) {
     throw DataError(
