@@ -45,6 +45,7 @@ Json FoundJson(const PoseFound& found) {
 
 TimedPose ReadTimedPose(const JsonReader& json) {
   TimedPose pose{json.FindNumber("time_s"), ReadPose(json.At("world_from_sonar"))};
+  if (const auto motion = json.Find("motion")) pose.motion = ReadMotion(*motion);
   constexpr int kMaxFrame = 1'000'000'000;
   if (const auto frame = json.Find("frame")) pose.frame = static_cast<int>(frame->Integer(0, kMaxFrame));
   if (const auto candidates = json.Find("candidates")) {
@@ -70,6 +71,26 @@ std::vector<TimedPose> ReadPoses(const std::filesystem::path& file) {
   return poses;
 }
 
+std::vector<TimedPose> WithMotion(std::vector<TimedPose> poses, const PingPattern& pings) {
+  if (!pings.is_timed()) return poses;
+  const auto gap_s = [&](std::size_t first, std::size_t last) {
+    if (!poses[first].time_s || !poses[last].time_s) return 0.0;
+    const double time_s = *poses[last].time_s - *poses[first].time_s;
+    return time_s > 0.0 && time_s <= kMaxMotionGapS * static_cast<double>(last - first) ? time_s : 0.0;
+  };
+  std::vector<std::optional<Motion>> motions;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::size_t first = i > 0 && gap_s(i - 1, i) > 0.0 ? i - 1 : i;
+    const std::size_t last = i + 1 < poses.size() && gap_s(i, i + 1) > 0.0 ? i + 1 : i;
+    motions.push_back(poses[i].motion);
+    if (motions.back() || first == last) continue;
+    motions.back() = MotionBetween(poses[first].world_from_sonar, poses[last].world_from_sonar,
+                                   poses[i].world_from_sonar, gap_s(first, last));
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].motion = motions[i];
+  return poses;
+}
+
 std::vector<TimedPose> PosesOfRecording(const RecordingSource& recording) {
   std::vector<TimedPose> poses;
   for (int index = 0; index < recording.frame_count(); ++index) {
@@ -78,9 +99,9 @@ std::vector<TimedPose> PosesOfRecording(const RecordingSource& recording) {
       throw DataError("{}: frame {} ({}) has no 'world_from_sonar', expected a pose with every frame",
                       recording.info().source, index, frame.name);
     }
-    poses.push_back({frame.time_s, *frame.world_from_sonar});
+    poses.push_back({frame.time_s, *frame.world_from_sonar, frame.motion});
   }
-  return poses;
+  return WithMotion(std::move(poses), recording.info().sonar.pings);
 }
 
 std::vector<TimedPose> ReadPosesOrRecording(const std::filesystem::path& path) {
@@ -103,8 +124,12 @@ std::unique_ptr<RecordingSource> WithPoses(std::shared_ptr<const RecordingSource
                     recording->frame_count(), source.string(), poses.size());
   }
   std::vector<std::optional<Pose>> of_frames;
-  for (const TimedPose& pose : poses) of_frames.emplace_back(pose.world_from_sonar);
-  return std::make_unique<ReposedRecording>(std::move(recording), std::move(of_frames));
+  std::vector<std::optional<Motion>> motions;
+  for (const TimedPose& pose : poses) {
+    of_frames.emplace_back(pose.world_from_sonar);
+    motions.push_back(pose.motion);
+  }
+  return std::make_unique<ReposedRecording>(std::move(recording), std::move(of_frames), std::move(motions));
 }
 
 std::string PosesText(const std::vector<TimedPose>& poses) {
@@ -113,6 +138,7 @@ std::string PosesText(const std::vector<TimedPose>& poses) {
     Json json;
     if (pose.time_s) json["time_s"] = *pose.time_s;
     json["world_from_sonar"] = PoseJson(pose.world_from_sonar);
+    if (pose.motion) json["motion"] = MotionJson(*pose.motion);
     if (pose.frame) json["frame"] = *pose.frame;
     for (const PoseFound& found : pose.candidates) json["candidates"].push_back(FoundJson(found));
     if (!pose.open.empty()) json["open"] = pose.open;

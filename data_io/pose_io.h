@@ -4,7 +4,11 @@
 //    "poses": [{"time_s": 0.0,
 //               "world_from_sonar": {"position_m": [x, y, z], "quaternion_wxyz": [w, x, y, z]}}]}
 //
-// or the list alone. `time_s` may be absent. A pose that `sonarcal locate` found also states:
+// or the list alone. `time_s` may be absent. A pose may state the motion of the sonar, as in a recording:
+//
+//   "motion": {"velocity_m_per_s": [x, y, z], "turn_rate_deg_per_s": [x, y, z]}
+//
+// A pose that `sonarcal locate` found also states:
 //
 //   "frame": 3, "open": ["..."],
 //   "candidates": [{"what": "best", "world_from_sonar", "rms_difference", "gain_db", "worse_by_nats",
@@ -38,6 +42,7 @@ struct PoseFound {
 struct TimedPose {
   std::optional<double> time_s;
   Pose world_from_sonar;
+  std::optional<Motion> motion = {};  // of the sonar during the frame
   // Only of poses that a search found.
   std::optional<int> frame = {};           // number of the frame in the recording that was searched
   std::vector<PoseFound> candidates = {};  // best first
@@ -47,8 +52,16 @@ struct TimedPose {
 // At least one pose. Rejects unknown keys.
 std::vector<TimedPose> ReadPoses(const std::filesystem::path& file);
 
-// Pose of every frame. Rejects a recording with a frame that has no pose, because omitting one would shift
-// all following poses.
+// The poses with the motion of the sonar during each frame, as WithMotion finds it for these pings.
+//
+// A pose that states a motion keeps it. Otherwise the motion is the constant one from the pose before to the
+// pose after, or between the pose and its only neighbour. It is unknown if a time is absent, if times do not
+// increase, or if neighbours are more than kMaxMotionGapS apart. Does nothing for frames of one ping.
+inline constexpr double kMaxMotionGapS = 1.0;
+std::vector<TimedPose> WithMotion(std::vector<TimedPose> poses, const PingPattern& pings);
+
+// Pose of every frame, with its motion (WithMotion). Rejects a recording with a frame that has no pose,
+// because omitting one would shift all following poses.
 std::vector<TimedPose> PosesOfRecording(const RecordingSource& recording);
 
 // Reads a recording of any format that contains poses, or a file of poses, whose name ends in .json.

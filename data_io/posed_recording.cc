@@ -37,10 +37,20 @@ FrameInfo PosedRecording::WithPose(int index, FrameInfo info) const {
     throw DataError("{}: frame {} ({}) has no time, expected one to look its pose up by", info_.source, index,
                     info.name);
   }
-  const auto world_from_body =
-      PoseAt(poses_.world_from_body, *info.time_s + poses_.time_offset_s, poses_.most_gap_s);
-  info.world_from_sonar.reset();
-  if (world_from_body) info.world_from_sonar = *world_from_body * poses_.body_from_sonar;
+  const auto pose_after = [&](double time_s) -> std::optional<Pose> {
+    const auto world_from_body =
+        PoseAt(poses_.world_from_body, *info.time_s + time_s + poses_.time_offset_s, poses_.most_gap_s);
+    if (!world_from_body) return std::nullopt;
+    return *world_from_body * poses_.body_from_sonar;
+  };
+  info.world_from_sonar = pose_after(0.0);
+  const PingPattern& pings = info_.sonar.pings;
+  if (!info.world_from_sonar || !pings.is_timed()) return info;
+  const double first_s = pings.TimeOf(0);
+  const double last_s = pings.TimeOf(pings.count() - 1);
+  const std::optional<Pose> first = pose_after(first_s);
+  const std::optional<Pose> last = pose_after(last_s);
+  if (first && last) info.motion = MotionBetween(*first, *last, *info.world_from_sonar, last_s - first_s);
   return info;
 }
 

@@ -17,7 +17,8 @@ struct PosesOverTime {
   double most_gap_s = 1.0;     // max time between two interpolated poses
 };
 
-// A frame outside the trajectory or in a gap of it has no pose, even if the recording contains one.
+// A frame outside the trajectory or in a gap of it has no pose, even if the recording contains one. A frame
+// of several pings gets the motion from its first to its last ping.
 class PosedRecording final : public RecordingSource {
  public:
   // Throws DataError if a frame has no time, or no frame has a pose.

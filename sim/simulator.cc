@@ -1,8 +1,10 @@
 #include "sim/simulator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "core/types/units.h"
 #include "sim/acoustic/acoustic_frame.h"
 #include "sim/ghosts/ghost_power.h"
 #include "sim/paper/paper_frame.h"
@@ -98,17 +100,17 @@ EchoList Simulator::TraceEchoes(const Pose& world_from_sonar) const {
 }
 
 PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& parameters,
-                             int frame_idx) const {
+                             const DrawSeeds& seeds) const {
   if (parameters.model == EchoModel::kPaper && options_.trace.normals == NormalSource::kGeometric) {
     RefuseMargin();
     PolarImage image = RenderPaperFrame(*caster_, fan_, world_from_sonar, sonar_,
                                         PaperParametersFor(parameters, caster_->material_names()),
-                                        absorption_db_per_m_, PaperOptions(frame_idx));
+                                        absorption_db_per_m_, PaperOptions(seeds.receiver));
     QuantiseImage(image);
     return image;
   }
   if (parameters.model == EchoModel::kPaper) {
-    return RenderEchoes(TraceEchoes(world_from_sonar), parameters, frame_idx);
+    return RenderEchoes(TraceEchoes(world_from_sonar), parameters, seeds, {});
   }
   if (parameters.model == EchoModel::kAcoustic) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
@@ -118,7 +120,7 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
       ScatterMap scatter =
           ScatterFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
       AddGhosts(ghosts, geometry, parameters, scatter);
-      image = RenderScatter(scatter, parameters, frame_idx);
+      image = RenderScatter(scatter, parameters, seeds);
     } else {
       PulsedMap pulsed = PulsedFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
       AddGhosts(ghosts, geometry, parameters, pulsed);
@@ -127,8 +129,58 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
     QuantiseImage(image);
     return image;
   }
+  return RenderCoherent(world_from_sonar, {}, parameters, seeds);
+}
+
+PolarImage Simulator::RenderPings(const Pose& world_from_sonar, const std::vector<PingPose>& pings,
+                                  const ParameterSet& parameters, const DrawSeeds& seeds) const {
+  if (pings.empty()) return Render(world_from_sonar, parameters, seeds);
+  if (parameters.model == EchoModel::kCoherent)
+    return RenderCoherent(world_from_sonar, pings, parameters, seeds);
+  if (parameters.model == EchoModel::kPaper || !options_.noise) {
+    return ImageByPing(world_from_sonar, pings,
+                       [&](const Pose& pose) { return Render(pose, parameters, seeds); });
+  }
+  const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
+  PolarImage image;
+  for (std::size_t ping = 0; ping < pings.size(); ++ping) {
+    const Pose pose = world_from_sonar * pings[ping].frame_from_ping;
+    ScatterMap scatter = ScatterFrom(*caster_, fan_, pose, geometry, parameters, options_.trace);
+    AddGhosts(TraceGhosts(pose, parameters), geometry, parameters, scatter);
+    PolarImage of_ping = SampleAcousticImage(scatter, geometry, parameters, options_.full_scale(),
+                                             SeedsOfPing(seeds, ping), pings[ping].frame_from_ping);
+    if (ping == 0) {
+      image = std::move(of_ping);
+    } else {
+      CopyBeams(pings[ping].beams, of_ping.value, image.value);
+    }
+  }
+  QuantiseImage(image);
+  return image;
+}
+
+// The fan with a margin for what the pings see beyond that of the frame.
+RayFan Simulator::FanOfPings(const std::vector<PingPose>& pings) const {
+  constexpr double kMaxMarginDeg = 60.0;
+  constexpr double kNearestM = 0.1;
+  double turn_rad = 0.0;
+  for (const PingPose& ping : pings) {
+    const Pose& move = ping.frame_from_ping;
+    const double aside_m = move.position_m.norm();
+    turn_rad = std::max(turn_rad, move.rotation.angularDistance(Eigen::Quaterniond::Identity()) +
+                                      std::atan2(aside_m, std::max(sonar_.axes.range_min_m, kNearestM)));
+  }
+  RayFanOptions options = options_.fan;
+  options.azimuth_margin_deg = std::min(kMaxMarginDeg, options.azimuth_margin_deg + DegFromRad(turn_rad));
+  return {sonar_, options};
+}
+
+PolarImage Simulator::RenderCoherent(const Pose& world_from_sonar, const std::vector<PingPose>& pings,
+                                     const ParameterSet& parameters, const DrawSeeds& seeds) const {
+  std::optional<RayFan> wider;
+  if (!pings.empty()) wider = FanOfPings(pings);
   CoherentGeometry geometry{.caster = *caster_,
-                            .fan = fan_,
+                            .fan = wider ? *wider : fan_,
                             .sonar = sonar_,
                             .absorption_db_per_m = absorption_db_per_m_,
                             .ghost_order = options_.ghost_order,
@@ -138,20 +190,23 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
     geometry.mirrors = &mirrors->surface;
     geometry.ghost_fan = &mirrors->fan;
   }
-  const PolarImage power = CoherentPower(geometry, world_from_sonar, parameters, SeedsOf(frame_idx));
+  const PolarImage power = pings.empty()
+                               ? CoherentPower(geometry, world_from_sonar, parameters, seeds)
+                               : CoherentPower(geometry, world_from_sonar, pings, parameters, seeds);
   PolarImage image = DisplayPower(power, parameters, options_.full_scale());
   QuantiseImage(image);
   return image;
 }
 
-DrawSeeds Simulator::SeedsOf(int frame_idx) const {
-  const std::uint64_t of_frame = options_.seed + static_cast<std::uint64_t>(frame_idx);
-  return {.scatterers = options_.frozen_speckle ? options_.seed : of_frame, .receiver = of_frame};
+DrawSeeds Simulator::SeedsOf(int frame_idx, int speckle_idx) const {
+  const auto seed_of = [&](int index) { return options_.seed + static_cast<std::uint64_t>(index); };
+  return {.scatterers = seed_of(options_.frozen_speckle ? speckle_idx : frame_idx),
+          .receiver = seed_of(frame_idx)};
 }
 
-PaperImageOptions Simulator::PaperOptions(int frame_idx) const {
+PaperImageOptions Simulator::PaperOptions(std::uint64_t seed) const {
   PaperImageOptions options{.full_scale = options_.full_scale(), .noise_seed = {}};
-  if (options_.noise) options.noise_seed = options_.seed + static_cast<std::uint64_t>(frame_idx);
+  if (options_.noise) options.noise_seed = seed;
   return options;
 }
 
@@ -163,16 +218,16 @@ void Simulator::RefuseMargin() const {
   }
 }
 
-PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx,
-                                   const GhostList& ghosts) const {
+PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& parameters,
+                                   const DrawSeeds& seeds, const GhostList& ghosts) const {
   SONARCAL_CHECK(parameters.model != EchoModel::kCoherent, "a coherent image is made from a pose");
   PolarImage image;
   if (parameters.model == EchoModel::kPaper) {
     RefuseMargin();
     image = RenderPaperImage(echoes, sonar_, PaperParametersFor(parameters, echoes.material_names),
-                             absorption_db_per_m_, PaperOptions(frame_idx));
+                             absorption_db_per_m_, PaperOptions(seeds.receiver));
   } else {
-    image = RenderScatter(Scatter(echoes, parameters, ghosts), parameters, frame_idx);
+    image = RenderScatter(Scatter(echoes, parameters, ghosts), parameters, seeds);
   }
   QuantiseImage(image);
   return image;
@@ -180,10 +235,10 @@ PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& p
 
 // Speckled sample if noise is on, otherwise the expected image.
 PolarImage Simulator::RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters,
-                                    int frame_idx) const {
+                                    const DrawSeeds& seeds) const {
   const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
   if (options_.noise) {
-    return SampleAcousticImage(scatter, geometry, parameters, options_.full_scale(), SeedsOf(frame_idx));
+    return SampleAcousticImage(scatter, geometry, parameters, options_.full_scale(), seeds);
   }
   return ExpectedDisplay(ExpectedPower(scatter, geometry, parameters), parameters, options_.full_scale());
 }

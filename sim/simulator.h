@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/types/parameters.h"
+#include "core/types/pings.h"
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/coherent/coherent_image.h"
 #include "sim/ghosts/ghost_trace.h"
@@ -36,8 +37,8 @@ struct SimulationOptions {
   // have both.
   bool noise = false;
   std::uint64_t seed = 1;  // seed of the noise; frame i uses seed + i
-  // Acoustic and coherent: the scatterers' phases come from `seed` in every frame, so speckle stays constant
-  // while nothing moves. Receiver noise is new in each frame.
+  // Acoustic and coherent: the scatterers' phases do not depend on the frame, so speckle stays constant while
+  // nothing moves. Receiver noise is new in each frame.
   bool frozen_speckle = false;
   int ghost_order = 1;  // max number of reflections on a multipath, 1 or 2; has no effect without a mirror
   std::vector<PointTarget> point_targets = {};  // coherent only
@@ -67,12 +68,31 @@ class Simulator {
                         int ray_decimation = 1) const;
 
   // Image of a pose by the model that the parameters name, in whole grey levels.
-  PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const;
+  PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const {
+    return Render(world_from_sonar, parameters, SeedsOf(frame_idx));
+  }
+  // The paper's model uses the seed of the receiver.
+  PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters,
+                    const DrawSeeds& seeds) const;
+
+  // Image of a frame whose pings have their own poses (core/types/pings.h): one rendering per ping, of which
+  // the frame gets the beams of the ping. Without pings: the image of the pose. The pings see the same
+  // scatterers, which stay where they are in the world; each has its own receiver noise.
+  PolarImage RenderPings(const Pose& world_from_sonar, const std::vector<PingPose>& pings,
+                         const ParameterSet& parameters, int frame_idx = 0) const {
+    return RenderPings(world_from_sonar, pings, parameters, SeedsOf(frame_idx));
+  }
+  PolarImage RenderPings(const Pose& world_from_sonar, const std::vector<PingPose>& pings,
+                         const ParameterSet& parameters, const DrawSeeds& seeds) const;
 
   // Renders echoes that were traced before, and multipath echoes (not for the paper's model). Must not be
   // called for kCoherent, which places scatterers between the rays (SONARCAL_CHECK).
   PolarImage RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, int frame_idx = 0,
-                          const GhostList& ghosts = {}) const;
+                          const GhostList& ghosts = {}) const {
+    return RenderEchoes(echoes, parameters, SeedsOf(frame_idx), ghosts);
+  }
+  PolarImage RenderEchoes(const EchoList& echoes, const ParameterSet& parameters, const DrawSeeds& seeds,
+                          const GhostList& ghosts) const;
 
   // Expected image, not rounded: the mean over range and azimuth errors (paper) or over speckle (acoustic,
   // and coherent, which has the same mean power).
@@ -83,8 +103,8 @@ class Simulator {
   ScatterMap Scatter(const EchoList& echoes, const ParameterSet& parameters,
                      const GhostList& ghosts = {}) const;
 
-  // Random seeds of frame `frame_idx`.
-  DrawSeeds SeedsOf(int frame_idx) const;
+  // Random seeds of frame `frame_idx`. With frozen speckle, the scatterers are those of frame `speckle_idx`.
+  DrawSeeds SeedsOf(int frame_idx, int speckle_idx = 0) const;
 
   const SonarModel& sonar() const { return sonar_; }
   const SimulationOptions& options() const { return options_; }
@@ -96,8 +116,12 @@ class Simulator {
  private:
   struct Mirrors;
   std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters, int ray_decimation = 1) const;
-  PaperImageOptions PaperOptions(int frame_idx) const;
-  PolarImage RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters, int frame_idx) const;
+  PaperImageOptions PaperOptions(std::uint64_t seed) const;
+  PolarImage RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters,
+                           const DrawSeeds& seeds) const;
+  PolarImage RenderCoherent(const Pose& world_from_sonar, const std::vector<PingPose>& pings,
+                            const ParameterSet& parameters, const DrawSeeds& seeds) const;
+  RayFan FanOfPings(const std::vector<PingPose>& pings) const;
   void RefuseMargin() const;
 
   SonarModel sonar_;

@@ -87,6 +87,11 @@ std::string BeamWidthText(const SonarModel& sonar) {
   return text;
 }
 
+std::string PingsText(const PingPattern& pings) {
+  if (!(pings.period_s > 0.0)) return fmt::format("{}, time between them unknown", pings.count());
+  return fmt::format("{}, {:.4g} ms apart", pings.count(), pings.period_s * 1e3);
+}
+
 std::string WaterText(const Water& water) {
   return fmt::format("{:.4g} °C, {:.4g} ppt salt, pH {:.3g}, {:.4g} m deep", water.temperature_c,
                      water.salinity_ppt, water.ph, water.depth_m);
@@ -185,6 +190,7 @@ std::string DescribeRecording(const RecordingSource& recording) {
   page.Add("window", WindowText(info.sonar.axes, summary.range_bin_m));
   page.Add("beams", BeamsText(info.sonar, summary));
   page.Add("beam width", BeamWidthText(info.sonar));
+  if (!info.sonar.pings.of_beam.empty()) page.Add("pings a frame", PingsText(info.sonar.pings));
   page.Add("frames", FramesText(recording.frame_count(), summary));
   page.Add("scale", ScaleText(info.scale));
   page.Add("settings", Describe(info.settings));

@@ -148,8 +148,15 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
   const workflow::PreparedSimulation resolved =
       workflow::PrepareSimulation(options.simulate, choice, data_io::ReadParameters(options.params));
   const ParameterSet& parameters = resolved.parameters;
-  std::vector<data_io::TimedPose> poses = data_io::ReadPosesOrRecording(options.poses);
+  std::vector<data_io::TimedPose> poses =
+      data_io::WithMotion(data_io::ReadPosesOrRecording(options.poses), choice.sonar.pings);
+  std::vector<int> speckle_frames;
+  if (options.simulate.frozen_speckle) speckle_frames = workflow::SpeckleFrames(poses);
   const int first_frame = TakePoses(options.frames, poses);
+  if (!speckle_frames.empty()) {
+    const auto first = speckle_frames.begin() + first_frame;
+    speckle_frames = {first, first + static_cast<std::ptrdiff_t>(poses.size())};
+  }
   Scene scene = cli::ReadSceneFile(options.scene, options.scene_format, options.common);
   const std::string scene_digest = SceneDigest(scene);
   const sim::Simulator simulator(std::move(scene), choice.sonar, resolved.simulation);
@@ -171,7 +178,7 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
   const workflow::SimulatedRecording recording(
       simulator, std::move(poses), parameters, options.scene.string(),
       [&](int index, const Pose& pose, const PolarImage& image) { beside.Write(output, index, pose, image); },
-      options.simulate.expected, first_frame);
+      options.simulate.expected, first_frame, std::move(speckle_frames));
   cli::Provenance provenance{.command = "simulate",
                              .configuration = ConfigurationJson(options, simulator, parameters.model),
                              .inputs = {options.scene, options.params, options.poses}};

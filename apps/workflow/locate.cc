@@ -261,8 +261,10 @@ std::vector<data_io::TimedPose> Location::Poses() const {
   std::vector<data_io::TimedPose> poses;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const calib::PoseSearchResult& search = frames[i].search;
-    data_io::TimedPose& pose = poses.emplace_back(data_io::TimedPose{
-        recording->frame_info(static_cast<int>(i)).time_s, search.best().WorldFromSonar(), frames[i].frame});
+    data_io::TimedPose& pose =
+        poses.emplace_back(data_io::TimedPose{.time_s = recording->frame_info(static_cast<int>(i)).time_s,
+                                              .world_from_sonar = search.best().WorldFromSonar(),
+                                              .frame = frames[i].frame});
     for (const calib::PoseCandidate& candidate : search.candidates) {
       pose.candidates.push_back(
           {.what = &candidate == &search.best() ? "best" : std::string(calib::NameOf(candidate.kind)),

@@ -38,7 +38,8 @@ std::string NoiseText(const sim::Simulator& simulator, const ParameterSet& param
     return fmt::format("range and azimuth errors, seed {} + frame", seed);
   }
   if (simulator.options().frozen_speckle) {
-    return fmt::format("frozen speckle, seed {}; receiver noise, seed {} + frame", seed, seed);
+    return fmt::format("frozen speckle, seed {} + first frame of the pose; receiver noise, seed {} + frame",
+                       seed, seed);
   }
   return fmt::format("speckle and receiver noise, seed {} + frame", seed);
 }
@@ -141,32 +142,52 @@ PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& e
   return image;
 }
 
+std::vector<int> SpeckleFrames(const std::vector<data_io::TimedPose>& poses) {
+  std::vector<int> first;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    std::size_t same = 0;
+    while (!IsSamePose(poses[same].world_from_sonar, poses[i].world_from_sonar)) ++same;
+    first.push_back(static_cast<int>(same));
+  }
+  return first;
+}
+
 SimulatedRecording::SimulatedRecording(const sim::Simulator& simulator, std::vector<data_io::TimedPose> poses,
                                        ParameterSet parameters, const std::string& scene_path,
-                                       OnFrame on_frame, bool expected, int first_frame)
+                                       OnFrame on_frame, bool expected, int first_frame,
+                                       std::vector<int> speckle_frames)
     : simulator_(simulator),
       poses_(std::move(poses)),
       parameters_(std::move(parameters)),
       info_(SimulatedRecordingInfo(simulator, parameters_, scene_path, expected)),
       on_frame_(std::move(on_frame)),
       expected_(expected),
-      first_frame_(first_frame) {}
+      first_frame_(first_frame),
+      speckle_frames_(std::move(speckle_frames)) {
+  if (simulator.options().frozen_speckle && speckle_frames_.empty()) speckle_frames_ = SpeckleFrames(poses_);
+}
 
 FrameInfo SimulatedRecording::frame_info(int index) const {
   const data_io::TimedPose& pose = poses_.at(index);
-  return {fmt::format("frame {}", first_frame_ + index), pose.time_s, pose.world_from_sonar, info_.settings};
+  return {fmt::format("frame {}", first_frame_ + index), pose.time_s, pose.world_from_sonar, info_.settings,
+          pose.motion};
 }
 
 Frame SimulatedRecording::ReadFrame(int index) const {
   Frame frame{frame_info(index), {}};
   const Pose& pose = *frame.info.world_from_sonar;
+  const std::vector<PingPose> pings = PosesOfPings(info_.sonar.pings, frame.info.motion);
   // Without noise, the images of the acoustic model are the expected ones, in one pass over the rays.
   if (expected_ && parameters_.model != EchoModel::kAcoustic) {
     const bool coherent = parameters_.model == EchoModel::kCoherent;
-    frame.image = ExpectedFrame(simulator_, simulator_.TraceEchoes(pose), parameters_,
-                                coherent ? simulator_.TraceGhosts(pose, parameters_) : sim::GhostList{});
+    frame.image = ImageByPing(pose, pings, [&](const Pose& at) {
+      return ExpectedFrame(simulator_, simulator_.TraceEchoes(at), parameters_,
+                           coherent ? simulator_.TraceGhosts(at, parameters_) : sim::GhostList{});
+    });
   } else {
-    frame.image = simulator_.Render(pose, parameters_, first_frame_ + index);
+    const int speckle_frame = speckle_frames_.empty() ? 0 : speckle_frames_[index];
+    frame.image = simulator_.RenderPings(pose, pings, parameters_,
+                                         simulator_.SeedsOf(first_frame_ + index, speckle_frame));
   }
   if (on_frame_) on_frame_(index, pose, frame.image);
   return frame;
@@ -298,6 +319,7 @@ std::unique_ptr<MemoryRecording> Simulate(const Scene& scene, const SonarChoice&
                                           const SimulateOptions& options, const Listener& listener,
                                           const std::string& scene_path) {
   if (poses.empty()) throw DataError("poses: none, expected one or more");
+  const std::vector<data_io::TimedPose> moving = data_io::WithMotion(poses, sonar.sonar.pings);
   const ThreadLimit threads(options.rays.threads);
   const PreparedSimulation prepared = PrepareSimulation(options, sonar, parameters);
   const sim::Simulator simulator(scene, sonar.sonar, prepared.simulation);
@@ -309,7 +331,7 @@ std::unique_ptr<MemoryRecording> Simulate(const Scene& scene, const SonarChoice&
   if (!empty.empty()) listener.Message(sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
   const int total = static_cast<int>(poses.size());
   return SimulateRecording(
-      simulator, poses, prepared.parameters, scene_path,
+      simulator, moving, prepared.parameters, scene_path,
       [&](int done) { listener.Progress("Simulating", done, total); }, options.expected);
 }
 

@@ -73,18 +73,24 @@ RecordingInfo SimulatedRecordingInfo(const sim::Simulator& simulator, const Para
 PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& echoes,
                          const ParameterSet& parameters, const sim::GhostList& ghosts = {});
 
+// For each pose, the first frame with this pose, whose speckle it has while nothing moves.
+std::vector<int> SpeckleFrames(const std::vector<data_io::TimedPose>& poses);
+
 // A recording that renders each frame when it is read, so that writing needs constant memory. Frame i has
-// pose i and noise of seed + i. It is the same each time, in any order of reading. With `first_frame` it is a
-// part of a longer recording: frame i has noise of seed + first_frame + i.
+// pose i and noise of seed + i. If the pings of the sonar are timed and a pose has a motion, each beam has
+// the pose of its ping. With frozen speckle, frames of one pose have the scatterers of the first of them,
+// and frames of different poses have different ones. A frame is the same each time, in any order of reading.
+// With `first_frame` it is a part of a longer recording: frame i has noise of seed + first_frame + i.
 class SimulatedRecording final : public RecordingSource {
  public:
   // Receives each frame after it is rendered, for outputs beside the image.
   using OnFrame = std::function<void(int index, const Pose& world_from_sonar, const PolarImage& image)>;
 
-  // `simulator` must outlive the recording.
+  // `simulator` must outlive the recording. `speckle_frames`: as SpeckleFrames returns them for these poses;
+  // empty: SpeckleFrames(poses).
   SimulatedRecording(const sim::Simulator& simulator, std::vector<data_io::TimedPose> poses,
                      ParameterSet parameters, const std::string& scene_path, OnFrame on_frame = {},
-                     bool expected = false, int first_frame = 0);
+                     bool expected = false, int first_frame = 0, std::vector<int> speckle_frames = {});
 
   const RecordingInfo& info() const override { return info_; }
   int frame_count() const override { return static_cast<int>(poses_.size()); }
@@ -99,6 +105,7 @@ class SimulatedRecording final : public RecordingSource {
   OnFrame on_frame_;
   bool expected_;
   int first_frame_;
+  std::vector<int> speckle_frames_;
 };
 
 // Renders all frames at once, as SimulatedRecording would. Calls `progress` after each frame.
@@ -140,10 +147,11 @@ struct SimulateOptions {
                        "Writes the expected image, which fit and reproduce evaluate: the mean over range "
                        "and azimuth errors (paper) or over speckle and receiver noise (acoustic, coherent)"},
         self.expected);
-    visit(OptionInfo{.name = "frozen_speckle",
-                     .help = "Speckle from the seed alone, the same in every frame as long as nothing moves; "
-                             "receiver noise differs from frame to frame (acoustic, coherent)"},
-          self.frozen_speckle);
+    visit(
+        OptionInfo{.name = "frozen_speckle",
+                   .help = "Speckle from the seed alone, the same in all frames of one pose, because nothing "
+                           "moves; receiver noise differs from frame to frame (acoustic, coherent)"},
+        self.frozen_speckle);
     VisitReach(self.ghost_order, self.margin_deg, visit);
     visit(OptionInfo{.name = "seed",
                      .help = "Seed of the noise; frame i uses seed + i",
@@ -177,8 +185,9 @@ bool IsRandom(const SimulateOptions& options, EchoModel model);
 std::vector<std::string> SimulationMessages(const SimulateOptions& options, const sim::Simulator& simulator,
                                             const PreparedSimulation& prepared);
 
-// Renders one frame per pose. The recording states `scene_path`, see RecordingInfo. Throws UsageError as
-// PrepareSimulation, DataError without poses or if the scene cannot be used.
+// Renders one frame per pose, with its motion as data_io::WithMotion finds it. The recording states
+// `scene_path`, see RecordingInfo. Throws UsageError as PrepareSimulation, DataError without poses or if the
+// scene cannot be used.
 std::unique_ptr<MemoryRecording> Simulate(const Scene& scene, const SonarChoice& sonar,
                                           const ParameterSet& parameters,
                                           const std::vector<data_io::TimedPose>& poses,

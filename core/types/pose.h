@@ -26,6 +26,11 @@ struct Pose {
   }
 };
 
+// True for the transform that changes nothing.
+inline bool IsIdentity(const Pose& pose) {
+  return pose.position_m.isZero(0.0) && pose.rotation.vec().isZero(0.0);
+}
+
 // True if two poses agree within 1 mm and 1 mrad.
 inline bool IsSamePose(const Pose& a, const Pose& b) {
   constexpr double kSameM = 1e-3;

@@ -10,6 +10,7 @@
 
 #include "core/types/image.h"
 #include "core/types/mask.h"
+#include "core/types/pings.h"
 #include "core/types/pose.h"
 #include "core/types/sonar_model.h"
 #include "core/types/sonar_settings.h"
@@ -45,6 +46,7 @@ struct FrameInfo {
   std::optional<double> time_s;
   std::optional<Pose> world_from_sonar;
   SonarSettings settings = {};
+  std::optional<Motion> motion = {};  // of the sonar during the frame
 };
 
 struct Frame {

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/types/image.h"
+#include "core/types/pings.h"
 #include "core/types/words.h"
 
 namespace sonarcal {
@@ -27,6 +28,7 @@ struct SonarModel {
   double elevation_beam_width_deg = 0.0;  // two-way half-power width; 0 = unknown
   double sound_speed_m_per_s = 0.0;
   BeamForming beam_forming = BeamForming::kUnknown;
+  PingPattern pings = {};
 };
 
 // Temperature, salinity, acidity and depth, for the absorption of sound.

@@ -14,9 +14,9 @@
 namespace sonarcal::data_io {
 namespace {
 
-std::vector<double> ReadVector(const JsonReader& json, std::size_t size) {
-  // The limit keeps squares finite and exceeds any distance on Earth.
-  std::vector<double> values = json.Numbers(NumberRange::Between(-1e9, 1e9));
+// The default limit keeps squares finite and exceeds any distance on Earth.
+std::vector<double> ReadVector(const JsonReader& json, std::size_t size, double limit = 1e9) {
+  std::vector<double> values = json.Numbers(NumberRange::Between(-limit, limit));
   if (values.size() != size) json.Fail(fmt::format("has {} numbers, expected {}", values.size(), size));
   return values;
 }
@@ -45,6 +45,42 @@ nlohmann::ordered_json PoseJson(const Pose& pose) {
   return {{"position_m", {p.x(), p.y(), p.z()}}, {"quaternion_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
+Motion ReadMotion(const JsonReader& json) {
+  constexpr double kMaxSpeedMPerS = 1000.0;
+  constexpr double kMaxTurnRateDegPerS = 36000.0;
+  Motion motion;
+  if (const auto velocity = json.Find("velocity_m_per_s")) {
+    const std::vector<double> v = ReadVector(*velocity, 3, kMaxSpeedMPerS);
+    motion.velocity_m_per_s = {v[0], v[1], v[2]};
+  }
+  if (const auto turn_rate = json.Find("turn_rate_deg_per_s")) {
+    const std::vector<double> w = ReadVector(*turn_rate, 3, kMaxTurnRateDegPerS);
+    motion.turn_rate_rad_per_s = {RadFromDeg(w[0]), RadFromDeg(w[1]), RadFromDeg(w[2])};
+  }
+  return motion;
+}
+
+nlohmann::ordered_json MotionJson(const Motion& motion) {
+  const Eigen::Vector3d& v = motion.velocity_m_per_s;
+  const Eigen::Vector3d& w = motion.turn_rate_rad_per_s;
+  return {{"velocity_m_per_s", {v.x(), v.y(), v.z()}},
+          {"turn_rate_deg_per_s", {RoundedDegrees(w.x()), RoundedDegrees(w.y()), RoundedDegrees(w.z())}}};
+}
+
+PingPattern ReadPings(const JsonReader& json, int beams) {
+  constexpr double kMaxTimeS = 1000.0;
+  PingPattern pings;
+  const JsonReader of_beam = json.At("of_beam");
+  for (const JsonReader& ping : of_beam.Items())
+    pings.of_beam.push_back(static_cast<int>(ping.Integer(0, beams - 1)));
+  if (static_cast<int>(pings.of_beam.size()) != beams) {
+    of_beam.Fail(fmt::format("has {} numbers, expected one per beam, {}", pings.of_beam.size(), beams));
+  }
+  json.Update("period_s", pings.period_s, NumberRange::AboveUpTo(0.0, kMaxTimeS));
+  json.Update("first_s", pings.first_s, NumberRange::Between(-kMaxTimeS, kMaxTimeS));
+  return pings;
+}
+
 Water ReadWater(const JsonReader& json) {
   Water water;
   ReadGroup(json, water);
@@ -71,6 +107,11 @@ nlohmann::ordered_json SonarJson(const SonarModel& sonar) {
   json["range_bins"] = sonar.axes.range_bins;
   write_known("sound_speed_m_per_s", sonar.sound_speed_m_per_s);
   if (sonar.beam_forming != BeamForming::kUnknown) json["beam_forming"] = ToString(sonar.beam_forming);
+  if (!sonar.pings.of_beam.empty()) {
+    json["pings"]["of_beam"] = sonar.pings.of_beam;
+    if (sonar.pings.period_s > 0.0) json["pings"]["period_s"] = sonar.pings.period_s;
+    if (sonar.pings.first_s != 0.0) json["pings"]["first_s"] = sonar.pings.first_s;
+  }
   return json;
 }
 

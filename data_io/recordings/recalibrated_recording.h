@@ -1,4 +1,5 @@
-// Recording with another description of its sonar, such as the calibrated one.
+// Recording with another description of its sonar, such as the calibrated one. A description without pings
+// leaves those of the recording.
 #pragma once
 
 #include <memory>
@@ -20,6 +21,7 @@ class RecalibratedRecording final : public RecordingSource {
                       recorded.range_bins, recorded.beam_count(), sonar.name, sonar.axes.range_bins,
                       sonar.axes.beam_count());
     }
+    if (sonar.pings.of_beam.empty()) sonar.pings = info_.sonar.pings;
     info_.sonar = std::move(sonar);
   }
 

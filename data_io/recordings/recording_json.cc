@@ -99,6 +99,7 @@ void ReadSonar(const JsonReader& json, RecordingInfo& info) {
   sonar.axes = ReadAxes(json);
   if (const auto psf = json.Find("azimuth_psf")) info.azimuth_psf = psf->Numbers();
   info.beam_taper = FindPerBeam(json, "beam_taper", sonar.axes.beam_count());
+  if (const auto pings = json.Find("pings")) sonar.pings = ReadPings(*pings, sonar.axes.beam_count());
 }
 
 SonarSettings ReadSettings(const JsonReader& json) {
@@ -179,6 +180,7 @@ FrameInfo ReadFrameInfo(const JsonReader& json, const SonarSettings& of_recordin
   if (const auto pose = json.Find("world_from_sonar")) frame.world_from_sonar = ReadPose(*pose);
   const auto settings = json.Find("settings");
   frame.settings = settings ? ReadSettings(*settings) : of_recording;
+  if (const auto motion = json.Find("motion")) frame.motion = ReadMotion(*motion);
   return frame;
 }
 
@@ -266,6 +268,7 @@ Json FrameJson(const FrameInfo& frame, const SonarSettings& of_recording) {
   if (frame.time_s) json["time_s"] = *frame.time_s;
   if (frame.world_from_sonar) json["world_from_sonar"] = PoseJson(*frame.world_from_sonar);
   if (frame.settings != of_recording) json["settings"] = SettingsJson(frame.settings);
+  if (frame.motion) json["motion"] = MotionJson(*frame.motion);
   return json;
 }
 

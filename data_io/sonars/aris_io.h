@@ -12,6 +12,9 @@
 // f32 m/s; SamplesPerBeam 468 u32; SampleStartDelay 476 u32 us; LargeLens 480 u32; TheSystemType 484 u32;
 // ReorderedSamples 516 u32; Salinity 520 u32 ppt.
 //
+// Pings of a frame follow from PingMode, their period from the CyclePeriod of the first frame. FrameTime is
+// taken as the time of the first ping.
+//
 // ReorderedSamples 0 means that the samples are in the order of sending, ping by ping: they are sorted by
 // beam (core/sonars/aris_pings.h).
 //

@@ -1,5 +1,6 @@
 #include "data_io/sonars/aris_model.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/sonars/aris_pings.h"
@@ -28,15 +29,22 @@ double FrequencyHz(const ArisHeader& header) {
   return 0.0;
 }
 
-// Timing of the pings that make a frame. The ping mode must be one whose pings are known.
-std::string PingsText(const ArisHeader& header) {
+// Pings that make a frame. Columns go from left to right, the sonar counts its beams from the right.
+PingPattern PingsOf(const ArisHeader& header) {
   constexpr std::uint32_t kMinCycleUs = 1802;  // limits of the manufacturer
   constexpr std::uint32_t kMaxCycleUs = 65535;
-  const int pings = ArisPingsPerFrame(static_cast<int>(header.ping_mode));
+  PingPattern pings{.of_beam = ArisPingOfBeam(static_cast<int>(header.ping_mode))};
+  std::ranges::reverse(pings.of_beam);
   const bool known = header.cycle_period_us >= kMinCycleUs && header.cycle_period_us <= kMaxCycleUs;
+  if (known) pings.period_s = header.cycle_period_us * 1e-6;
+  return pings;
+}
+
+std::string PingsText(const PingPattern& pings) {
+  const std::string period =
+      pings.period_s > 0.0 ? fmt::format(", {:.4g} ms apart", pings.period_s * 1e3) : "";
   return fmt::format("{} pings make a frame{}: beam k, counted from 0 at the right, belongs to ping k mod {}",
-                     pings, known ? fmt::format(", {:.4g} ms apart", header.cycle_period_us * 1e-3) : "",
-                     pings);
+                     pings.count(), period, pings.count());
 }
 
 }  // namespace
@@ -67,6 +75,7 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
   info.sonar.axes = ArisAxes(header, what);
   info.sonar.beam_forming = BeamForming::kLens;
   info.sonar.sound_speed_m_per_s = header.sound_speed_m_per_s;
+  info.sonar.pings = PingsOf(header);
   info.scale.full_scale = 255.0;
   info.scale.db_span = kDbSpan;
   if (header.lens == ArisLens::kTelephoto) {
@@ -96,8 +105,7 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
                   {"lens", header.lens == ArisLens::kTelephoto ? "telephoto" : "standard"},
                   {"water temperature", fmt::format("{:.1f} C", header.water_temperature_c)},
                   {"salinity", fmt::format("{} ppt", header.salinity_ppt)}};
-  if (ArisPingsPerFrame(static_cast<int>(header.ping_mode)) > 0)
-    info.details.emplace_back("pings", PingsText(header));
+  if (!info.sonar.pings.of_beam.empty()) info.details.emplace_back("pings", PingsText(info.sonar.pings));
 }
 
 void NoteArisWindow(const ArisHeader& header, RecordingInfo& info) {

@@ -9,6 +9,7 @@
 #include <complex>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -131,17 +132,87 @@ class FieldResponses {
   std::vector<ResponseWindow> azimuth_;
 };
 
-// Field of one look: each patch scatters with a random phase.
+// Random number of each patch of a map, and the phase that its path adds.
+//
+// A patch at a range and azimuth of the sonar lies in some cell of the axes for which the scatterers are
+// drawn. It has the random number of that cell. Its phase differs by that of the difference in range.
+class PatchesInWorld {
+ public:
+  PatchesInWorld(const ScatterMap& scatter, const SonarModel& sonar, const Pose& drawn_from_sonar)
+      : rows_(scatter.RowsOf(sonar.axes)),
+        azimuth_rad_(scatter.column_azimuth_rad),
+        twice_wavenumber_(2.0 * Wavenumber(sonar)),
+        drawn_from_sonar_(drawn_from_sonar) {}
+
+  struct Patch {
+    std::uint64_t index = 0;
+    double phase_rad = 0.0;
+  };
+  Patch At(int row, int col) const {
+    const double range_m = rows_.first_m + row / rows_.per_m;
+    const double azimuth_rad = azimuth_rad_[col];
+    const Eigen::Vector3d at_m = drawn_from_sonar_ * Eigen::Vector3d(range_m * std::sin(azimuth_rad),
+                                                                     range_m * std::cos(azimuth_rad), 0.0);
+    const double drawn_range_m = at_m.norm();
+    const auto drawn_row = std::llround((drawn_range_m - rows_.first_m) * rows_.per_m);
+    return {.index = IndexOf(drawn_row, ColumnAt(std::atan2(at_m.x(), at_m.y()))),
+            .phase_rad = twice_wavenumber_ * (drawn_range_m - range_m)};
+  }
+
+ private:
+  // Nearest column. Columns continue beyond the fan with the width of its mean column.
+  std::int64_t ColumnAt(double azimuth_rad) const {
+    const auto count = static_cast<std::int64_t>(azimuth_rad_.size());
+    if (count < 2) return 0;
+    const double width_rad = (azimuth_rad_.back() - azimuth_rad_.front()) / static_cast<double>(count - 1);
+    if (azimuth_rad <= azimuth_rad_.front())
+      return std::llround((azimuth_rad - azimuth_rad_.front()) / width_rad);
+    if (azimuth_rad >= azimuth_rad_.back())
+      return count - 1 + std::llround((azimuth_rad - azimuth_rad_.back()) / width_rad);
+    const auto above = std::upper_bound(azimuth_rad_.begin(), azimuth_rad_.end(), azimuth_rad);
+    const std::int64_t right = above - azimuth_rad_.begin();
+    return azimuth_rad - *(above - 1) < *above - azimuth_rad ? right - 1 : right;
+  }
+
+  // Within the map: as without motion. Beyond it: indices of their own.
+  std::uint64_t IndexOf(std::int64_t row, std::int64_t col) const {
+    const auto cols = static_cast<std::int64_t>(azimuth_rad_.size());
+    if (row >= 0 && row < rows_.count && col >= 0 && col < cols)
+      return static_cast<std::uint64_t>(row * cols + col);
+    constexpr int kColumnBits = 24;
+    constexpr std::int64_t kMiddle = std::int64_t{1} << (kColumnBits - 1);
+    constexpr std::uint64_t kBeyond = std::uint64_t{1} << 60;
+    return kBeyond + (static_cast<std::uint64_t>(row + kMiddle) << kColumnBits) +
+           static_cast<std::uint64_t>(col + kMiddle);
+  }
+
+  FineRows rows_;
+  const std::vector<double>& azimuth_rad_;
+  double twice_wavenumber_;
+  Pose drawn_from_sonar_;
+};
+
+// Field of one look: each patch scatters with a random phase. `patches`: null if the scatterers are drawn
+// for the sonar itself.
 struct ScatteredField {
-  ScatteredField(const ScatterMap& scatter, const CounterRandom& random)
+  ScatteredField(const ScatterMap& scatter, const PatchesInWorld* patches, const CounterRandom& random)
       : real(scatter.power.rows(), scatter.power.cols()), imaginary(real.rows(), real.cols()) {
     tbb::parallel_for(tbb::blocked_range<int>(0, real.rows(), 16), [&](const tbb::blocked_range<int>& rows) {
       for (int row = rows.begin(); row != rows.end(); ++row) {
         for (int col = 0; col < real.cols(); ++col) {
           const double power = scatter.power(row, col);
           if (power == 0.0) continue;
-          const auto [re, im] = random.Normal2(static_cast<std::size_t>(row) * real.cols() + col);
           const double amplitude = std::sqrt(0.5 * power);
+          if (patches != nullptr) {
+            const auto [index, phase_rad] = patches->At(row, col);
+            const auto [re, im] = random.Normal2(index);
+            const std::complex<double> field =
+                std::polar(amplitude, phase_rad) * std::complex<double>(re, im);
+            real(row, col) = field.real();
+            imaginary(row, col) = field.imag();
+            continue;
+          }
+          const auto [re, im] = random.Normal2(static_cast<std::size_t>(row) * real.cols() + col);
           real(row, col) = amplitude * re;
           imaginary(row, col) = amplitude * im;
         }
@@ -325,7 +396,8 @@ PolarImage DisplayPower(const PolarImage& power, const ParameterSet& parameters,
 }
 
 PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
-                               const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds) {
+                               const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds,
+                               const Pose& drawn_from_sonar) {
   using Complex = std::complex<double>;
   if (!(parameters.receiver.looks >= 1.0)) {
     throw DataError(
@@ -335,6 +407,8 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
   }
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
   const FieldResponses responses(geometry, parameters, scatter);
+  std::optional<PatchesInWorld> patches;
+  if (!IsIdentity(drawn_from_sonar)) patches.emplace(scatter, geometry.sonar, drawn_from_sonar);
   const BeamNoise beam_noise(geometry.sonar, parameters);
   const Grid<double> noise = NoiseFloorPower(geometry, parameters);
   const std::vector<double> gain = GainByBin(geometry, parameters);
@@ -344,7 +418,7 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
     const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
     const CounterRandom scatterers(seeds.scatterers, static_cast<std::uint32_t>(2 * look));
     const CounterRandom receiver(seeds.receiver, static_cast<std::uint32_t>(2 * look + 1));
-    const ScatteredField field(scatter, scatterers);
+    const ScatteredField field(scatter, patches ? &*patches : nullptr, scatterers);
     const Grid<double> real = responses.Received(field.real);
     const Grid<double> imaginary = responses.Received(field.imaginary);
     tbb::parallel_for(0, power.rows(), [&](int bin) {

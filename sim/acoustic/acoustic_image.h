@@ -20,9 +20,12 @@
 // and pulse; this differs from the image formation of the paper's model. Noise is independent between bins.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <numbers>
 
 #include "core/types/parameters.h"
+#include "core/types/pose.h"
 #include "sim/physics/echo_power_model.h"
 #include "sim/physics/fine_rows.h"
 #include "sim/rays/trace.h"
@@ -105,11 +108,27 @@ struct DrawSeeds {
   std::uint64_t receiver = 1;
 };
 
-// One speckled sample through the display, not rounded. The same seeds give the same image on any number of
+// Seeds of a ping of a frame: the scatterers of the frame, and receiver noise of its own.
+inline DrawSeeds SeedsOfPing(const DrawSeeds& of_frame, std::size_t ping) {
+  return {of_frame.scatterers, of_frame.receiver + 0x9E3779B97F4A7C15U * ping};
+}
+
+// Wavenumber 2 pi f / c, 1/m. An unknown sound speed is taken as 1500 m/s.
+inline double Wavenumber(const SonarModel& sonar) {
+  constexpr double kUsualMPerS = 1500.0;
+  const double c = sonar.sound_speed_m_per_s > 0.0 ? sonar.sound_speed_m_per_s : kUsualMPerS;
+  return 2.0 * std::numbers::pi * sonar.frequency_hz / c;
+}
+
+// One speckled sample through the display, not rounded. `drawn_from_sonar`: pose of the sonar in the axes for
+// which the scatterers are drawn. Scatterers stay where they are in the world, so speckle moves and
+// decorrelates with the sonar as geometry says. They are taken to lie in the plane of zero elevation. The
+// identity draws them for the sonar itself. The same seeds give the same image on any number of
 // threads. A number of looks that is not whole is a weighted mean: its variance is 1 / L, its mean level up
 // to 0.24 dB above that of a Gamma distribution. Throws DataError for fewer than one look.
 PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
-                               const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds);
+                               const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds,
+                               const Pose& drawn_from_sonar = {});
 
 // Uses one seed for both.
 inline PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry& geometry,

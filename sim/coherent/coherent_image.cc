@@ -8,6 +8,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "core/math/random.h"
@@ -56,8 +57,9 @@ class ScattererSource {
                                    geometry.sonar.axes.range_max_m +
                                        kPulseReachInWidths * PulseLengthM(geometry.sonar, parameters))) {}
 
-  // Scatterers in the order of the rays.
-  std::vector<Scatterer> Draw(std::uint64_t seed, int look) const {
+  // Scatterers in the order of the rays, as the sonar receives them from a pose of a ping.
+  std::vector<Scatterer> Draw(const Pose& frame_from_ping, std::uint64_t seed, int look) const {
+    const Pose ping_from_frame = frame_from_ping.Inverse();
     const CounterRandom amplitudes(seed, kAmplitudes + static_cast<std::uint32_t>(look));
     const CounterRandom spots(seed, kSpots + static_cast<std::uint32_t>(look));
     std::vector<std::vector<Scatterer>> by_row(geometry_.fan.rows());
@@ -67,7 +69,7 @@ class ScattererSource {
         if (hits_.triangle[ray] < 0 || !(hits_.range_m[ray] > 0.0F)) continue;
         const auto [u, v] = spots.Uniform2(ray);
         const auto [re, im] = amplitudes.Normal2(ray);
-        by_row[row].push_back(Place(row, col, u - 0.5, v - 0.5, Complex(re, im)));
+        by_row[row].push_back(Place(row, col, u - 0.5, v - 0.5, ping_from_frame, Complex(re, im)));
       }
     });
     std::vector<Scatterer> all;
@@ -77,7 +79,8 @@ class ScattererSource {
 
  private:
   // Scatterer on the plane that the ray hit, at (u, v) of the ray's cell. `unit` has a mean square of 2.
-  Scatterer Place(int row, int col, double u, double v, const Complex& unit) const {
+  Scatterer Place(int row, int col, double u, double v, const Pose& ping_from_frame,
+                  const Complex& unit) const {
     const std::size_t ray = static_cast<std::size_t>(row) * geometry_.fan.cols() + col;
     const int triangle = hits_.triangle[ray];
     const Eigen::Vector3d normal =
@@ -93,11 +96,26 @@ class ScattererSource {
     const double range_m = hits_.range_m[ray] * stretch;
     const double incidence_rad = std::atan2(direction.cross(normal).norm(), std::abs(direction.dot(normal)));
     const double elevation_rad = std::asin(std::clamp(direction.z(), -1.0, 1.0));
-    const double power =
-        power_.Power(power_.StraightBack(range_m, incidence_rad, geometry_.fan.SolidAngleSr(row, col),
-                                         power_.elevation().Power(elevation_rad)),
-                     power_.Backscatter(geometry_.caster.TriangleMaterial(triangle), incidence_rad));
-    return {range_m, direction.x() / std::hypot(direction.x(), direction.y()), std::sqrt(0.5 * power) * unit};
+    EchoPath path = power_.StraightBack(range_m, incidence_rad, geometry_.fan.SolidAngleSr(row, col),
+                                        power_.elevation().Power(elevation_rad));
+    const int material = geometry_.caster.TriangleMaterial(triangle);
+    if (IsIdentity(ping_from_frame)) {
+      const double power = power_.Power(path, power_.Backscatter(material, incidence_rad));
+      return {range_m, direction.x() / std::hypot(direction.x(), direction.y()),
+              std::sqrt(0.5 * power) * unit};
+    }
+    // The patch keeps its area and its random phase; the path adds its own phase.
+    const Eigen::Vector3d at_m = ping_from_frame * (range_m * direction);
+    const double path_m = at_m.norm();
+    const Eigen::Vector3d towards = at_m / path_m;
+    const Eigen::Vector3d turned = ping_from_frame.rotation * normal;
+    const double angle_rad = std::atan2(towards.cross(turned).norm(), std::abs(towards.dot(turned)));
+    path.loss_db = 2.0 * TransmissionLossDb(path_m, geometry_.absorption_db_per_m);
+    path.elevation_power = power_.elevation().Power(std::asin(std::clamp(towards.z(), -1.0, 1.0)));
+    const double power = power_.Power(path, power_.Backscatter(material, angle_rad));
+    const double phase_rad = 2.0 * Wavenumber(geometry_.sonar) * (range_m - path_m);
+    return {path_m, towards.x() / std::hypot(towards.x(), towards.y()),
+            std::sqrt(0.5 * power) * unit * std::polar(1.0, phase_rad)};
   }
 
   const CoherentGeometry& geometry_;
@@ -263,16 +281,17 @@ struct ReceiverPower {
   BeamForming beam_forming;
 };
 
-// Adds weight x |beams of (echoes + noise)|^2 to `power`. Echoes and noise of unit power pass the linear
-// beamformer separately, so the noise floor may differ between beams. If a lens forms the beams, `noise` has
-// one element per beam and passes no beamformer.
+// Adds weight x |beams of (echoes + noise)|^2 to these beams of `power`. Echoes and noise of unit power pass
+// the linear beamformer separately, so the noise floor may differ between beams. If a lens forms the beams,
+// `noise` has one element per beam and passes no beamformer.
 void AddPower(const Grid<Complex>& fields, const Beamformer& beamformer, const ElementNoise& noise,
-              const ReceiverPower& receiver, double weight, Grid<double>& power) {
+              const ReceiverPower& receiver, double weight, const std::vector<int>& beams,
+              Grid<double>& power) {
   tbb::parallel_for(0, power.rows(), [&](int bin) {
     const bool lens = receiver.beam_forming == BeamForming::kLens;
     std::vector<Complex> unit_noise(noise.elements());
     noise.AddTo(bin, lens ? 1.0 : beamformer.noise_scale(), unit_noise);
-    for (int beam = 0; beam < power.cols(); ++beam) {
+    for (const int beam : beams) {
       const Complex of_noise = lens ? unit_noise[beam] : beamformer.Beam(beam, unit_noise);
       const double echo_power = receiver.gain[bin] * receiver.sensitivity[beam];
       const Complex received = std::sqrt(echo_power) * beamformer.Beam(beam, fields.row(bin)) +
@@ -292,6 +311,14 @@ double AzimuthWidthRad(const SonarModel& sonar, const ParameterSet& parameters) 
 
 PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const DrawSeeds& seeds) {
+  PingPose all{.frame_from_ping = {}, .beams = std::vector<int>(geometry.sonar.axes.beam_count())};
+  std::iota(all.beams.begin(), all.beams.end(), 0);
+  return CoherentPower(geometry, world_from_sonar, {all}, parameters, seeds);
+}
+
+PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
+                         const std::vector<PingPose>& pings, const ParameterSet& parameters,
+                         const DrawSeeds& seeds) {
   if (!(parameters.receiver.looks >= 1.0)) {
     throw DataError(
         "receiver.looks {}: a speckled image needs at least one look, and texture (fewer looks) is not "
@@ -316,17 +343,20 @@ PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_fro
   const double pulse_m = PulseLengthM(geometry.sonar, parameters);
   for (int look = 0; look < looks; ++look) {
     const double weight = (look < whole_looks ? 1.0 : last_weight) / (whole_looks + last_weight);
-    std::vector<Scatterer> scatterers = source.Draw(seeds.scatterers, look);
-    const std::vector<Scatterer> ghosts =
-        DrawGhosts(geometry, world_from_sonar, parameters, seeds.scatterers, look);
-    scatterers.insert(scatterers.end(), ghosts.begin(), ghosts.end());
-    const std::vector<Scatterer> targets =
-        PointTargetEchoes(geometry, world_from_sonar, parameters, seeds.scatterers, look);
-    scatterers.insert(scatterers.end(), targets.begin(), targets.end());
-    const Grid<Complex> fields = ElementFields(scatterers, axes, pulse_m, array);
-    const ElementNoise noise(axes, pulse_m, lens ? axes.beam_count() : beamformer.elements(),
-                             CounterRandom(seeds.receiver, kElementNoise + static_cast<std::uint32_t>(look)));
-    AddPower(fields, beamformer, noise, receiver, weight, power);
+    for (std::size_t ping = 0; ping < pings.size(); ++ping) {
+      const Pose pose = world_from_sonar * pings[ping].frame_from_ping;
+      std::vector<Scatterer> scatterers = source.Draw(pings[ping].frame_from_ping, seeds.scatterers, look);
+      const std::vector<Scatterer> ghosts = DrawGhosts(geometry, pose, parameters, seeds.scatterers, look);
+      scatterers.insert(scatterers.end(), ghosts.begin(), ghosts.end());
+      const std::vector<Scatterer> targets =
+          PointTargetEchoes(geometry, pose, parameters, seeds.scatterers, look);
+      scatterers.insert(scatterers.end(), targets.begin(), targets.end());
+      const Grid<Complex> fields = ElementFields(scatterers, axes, pulse_m, array);
+      const ElementNoise noise(
+          axes, pulse_m, lens ? axes.beam_count() : beamformer.elements(),
+          CounterRandom(SeedsOfPing(seeds, ping).receiver, kElementNoise + static_cast<std::uint32_t>(look)));
+      AddPower(fields, beamformer, noise, receiver, weight, pings[ping].beams, power);
+    }
   }
   return PowerImage(axes, power);
 }

@@ -34,6 +34,12 @@
 //
 // Nothing hides them, and they hide nothing.
 //
+// If the pings of a frame have their own poses, all of them receive the same scatterers, which stay where
+// they are in the world. Range, direction, incidence and phase are those at the pose of the ping, so speckle
+// decorrelates as geometry says. Which surfaces are visible is decided at the pose of the frame. Multipath
+// echoes are drawn at the pose of each ping; their speckle moves with the sonar. Each ping has its own
+// receiver noise.
+//
 // The length of the array gives the beam at broadside its half-power width. Its elements are at most half a
 // wavelength apart. The parameter azimuth_pattern is not used.
 #pragma once
@@ -42,6 +48,7 @@
 #include <vector>
 
 #include "core/types/parameters.h"
+#include "core/types/pings.h"
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/ghosts/ghost_trace.h"
 #include "sim/rays/ray_caster.h"
@@ -70,5 +77,11 @@ struct CoherentGeometry {
 // fewer than one look or an unknown beam width.
 PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const DrawSeeds& seeds);
+
+// Received power of a frame whose pings have their own poses (core/types/pings.h). The fan must be wider than
+// the field of view by the angle that the sonar turns.
+PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
+                         const std::vector<PingPose>& pings, const ParameterSet& parameters,
+                         const DrawSeeds& seeds);
 
 }  // namespace sonarcal::sim

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/types/error.h"
+#include "core/types/units.h"
+#include "data_io/posed_recording.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"
@@ -69,6 +71,71 @@ TEST(PoseIoTest, PosesReplaceThoseOfARecording) {
             "rec has 2 frames and poses.json has 1 poses, expected as many");
 }
 
+// Poses of a sonar that turns at 10 degrees per second while it moves along Y of the world.
+std::vector<TimedPose> TurningPoses(int count) {
+  std::vector<TimedPose> poses;
+  for (int i = 0; i < count; ++i) {
+    const double time_s = 0.1 * i;
+    poses.push_back(
+        {time_s, {RotationFromYawPitchRoll(RadFromDeg(10.0 * time_s), 0, 0), {0, 0.2 * time_s, 0}}});
+  }
+  return poses;
+}
+
+TEST(PoseIoTest, MotionFollowsFromThePosesBeforeAndAfter) {
+  const PingPattern pings{.of_beam = {0, 1, 0, 1}, .period_s = 0.005};
+  std::vector<TimedPose> poses = TurningPoses(5);
+  poses[3].time_s = 5.0;
+  poses[4].time_s = 5.1;
+  const Motion stated{.velocity_m_per_s = {1.0, 0.0, 0.0}};
+  poses[4].motion = stated;
+  const std::vector<TimedPose> moving = WithMotion(poses, pings);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(moving[i].motion) << i;
+    EXPECT_NEAR(DegFromRad(moving[i].motion->turn_rate_rad_per_s.z()), 10.0, 1e-9) << i;
+    const Eigen::Vector3d in_world = poses[i].world_from_sonar.rotation * moving[i].motion->velocity_m_per_s;
+    EXPECT_TRUE(in_world.isApprox(Eigen::Vector3d(0.0, 0.2, 0.0), 1e-9)) << i;
+  }
+  EXPECT_TRUE(moving[3].motion) << "from the pose after it";
+  EXPECT_EQ(moving[4].motion, stated);
+  EXPECT_FALSE(WithMotion({poses[0], poses[3]}, pings)[0].motion) << "too far apart";
+  EXPECT_FALSE(WithMotion({poses[1], poses[0]}, pings)[0].motion) << "in reversed order";
+  EXPECT_FALSE(WithMotion({poses[0]}, pings)[0].motion);
+  EXPECT_FALSE(WithMotion(poses, {})[0].motion) << "frames of one ping";
+}
+
+// The trajectory stands still until 0.2 s. A frame at 0.195 s has its pings at 0.195 and 0.205 s.
+TEST(PosedRecordingTest, GivesTheMotionBetweenThePingsOfAFrame) {
+  RecordingInfo info;
+  info.source = "rec";
+  info.sonar.pings = {.of_beam = {0, 1, 0, 1}, .period_s = 0.01};
+  const auto posed_at = [&](double time_s) {
+    PosesOverTime poses{
+        .world_from_body = {{0.0, Pose()}, {0.2, Pose()}, {0.4, {Pose().rotation, {0, 1, 0}}}}};
+    const PosedRecording posed(
+        std::make_unique<MemoryRecording>(info, std::vector<Frame>{{{"a", time_s, std::nullopt}, {}}}),
+        poses);
+    return posed.frame_info(0).motion;
+  };
+  EXPECT_NEAR(posed_at(0.1)->velocity_m_per_s.norm(), 0.0, 1e-9);
+  EXPECT_NEAR(posed_at(0.195)->velocity_m_per_s.y(), 2.5, 1e-9);
+  EXPECT_NEAR(posed_at(0.3)->velocity_m_per_s.y(), 5.0, 1e-9);
+  EXPECT_EQ(posed_at(0.395), std::nullopt) << "the last ping lies beyond the trajectory";
+  info.sonar.pings = {};
+  EXPECT_EQ(posed_at(0.3), std::nullopt);
+}
+
+TEST(PoseIoTest, MotionOfAPoseReadsBack) {
+  const TempDir dir;
+  std::vector<TimedPose> poses = TurningPoses(2);
+  poses[1].motion =
+      Motion{.velocity_m_per_s = {0.1, 0.0, 0.0}, .turn_rate_rad_per_s = {0, 0, RadFromDeg(7.5)}};
+  WritePoses(dir / "poses.json", poses);
+  const std::vector<TimedPose> read = ReadPoses(dir / "poses.json");
+  EXPECT_EQ(read[0].motion, std::nullopt);
+  EXPECT_EQ(read[1].motion, poses[1].motion);
+}
+
 TEST(PoseIoTest, AListAloneIsEnough) {
   const TempDir dir;
   WriteFile(dir / "p.json", fmt::format("[{{{}}}]", kPose));
@@ -83,9 +150,10 @@ TEST(PoseIoTest, InvalidPosesAreRefusedWithLineAndKey) {
   };
   EXPECT_THAT(refusal_of("[]"), HasSubstr("p.json:1: the document is empty, expected at least one pose"));
   EXPECT_THAT(refusal_of("{\"poses\": []}"), HasSubstr("required key 'format' is missing"));
-  EXPECT_THAT(refusal_of(fmt::format("[\n{{{}, \"tiem_s\": 1}}]", kPose)),
-              HasSubstr("p.json:2: unknown key '[0].tiem_s'; expected one of candidates, frame, open, "
-                        "time_s, world_from_sonar"));
+  EXPECT_THAT(
+      refusal_of(fmt::format("[\n{{{}, \"tiem_s\": 1}}]", kPose)),
+      HasSubstr("p.json:2: unknown key '[0].tiem_s'; expected one of candidates, frame, motion, open, "
+                "time_s, world_from_sonar"));
   EXPECT_THAT(
       refusal_of("[{\"world_from_sonar\": {\"position_m\": [0, 0], \"quaternion_wxyz\": [1, 0, 0, 0]}}]"),
       HasSubstr("'[0].world_from_sonar.position_m' has 2 numbers, expected 3"));

@@ -139,6 +139,47 @@ TEST_F(RecordingFolderTest, HowBeamsAreFormedIsReadAndWritten) {
               HasSubstr("beam_forming"));
 }
 
+TEST_F(RecordingFolderTest, PingsAndMotionAreReadAndWritten) {
+  EXPECT_EQ(Open()->info().sonar.pings, PingPattern());
+  EXPECT_EQ(Open()->frame_info(0).motion, std::nullopt);
+  constexpr const char* kPings = R"("range_bins": 4, "pings": {"of_beam": [1, 0, 1], "period_s": 0.004})";
+  const auto with_pings = Open("\"range_bins\": 4", kPings);
+  EXPECT_THAT(with_pings->info().notes, IsEmpty());
+  EXPECT_EQ(with_pings->info().sonar.pings, (PingPattern{.of_beam = {1, 0, 1}, .period_s = 0.004}));
+
+  RecordingInfo info = SmallInfo();
+  info.sonar.pings = {.of_beam = {0, 1, 2}, .period_s = 0.00712, .first_s = -0.01};
+  MemoryRecording recording = SmallRecording(info, 2);
+  std::vector<Frame> frames = {recording.ReadFrame(0), recording.ReadFrame(1)};
+  frames[1].info.motion = Motion{.velocity_m_per_s = {0.1, 0.2, -0.3},
+                                 .turn_rate_rad_per_s = {0.0, RadFromDeg(-4.0), RadFromDeg(30.0)}};
+  WriteRecording(MemoryRecording(info, frames), dir_ / "moving");
+  const auto read = OpenRecordingFolder(dir_ / "moving");
+  EXPECT_THAT(read->info().notes, IsEmpty());
+  EXPECT_EQ(read->info().sonar.pings, info.sonar.pings);
+  EXPECT_EQ(read->frame_info(0).motion, std::nullopt);
+  EXPECT_EQ(read->ReadFrame(1).info.motion, frames[1].info.motion);
+}
+
+TEST_F(RecordingFolderTest, DamagedPingsAndMotionAreRefused) {
+  const auto pings = [&](const std::string& text) {
+    return RefusalOf("\"range_bins\": 4", "\"range_bins\": 4, \"pings\": " + text);
+  };
+  EXPECT_THAT(pings("{}"), HasSubstr("of_beam"));
+  EXPECT_THAT(pings(R"({"of_beam": [0, 1]})"), HasSubstr("has 2 numbers, expected one per beam, 3"));
+  EXPECT_THAT(pings(R"({"of_beam": [0, 1, 3]})"), HasSubstr("sonar.pings.of_beam[2]"));
+  EXPECT_THAT(pings(R"({"of_beam": [0, 1, -1]})"), HasSubstr("sonar.pings.of_beam[2]"));
+  EXPECT_THAT(pings(R"({"of_beam": [0, 0.5, 1]})"), HasSubstr("sonar.pings.of_beam[1]"));
+  EXPECT_THAT(pings(R"({"of_beam": [0, 1, 2], "period_s": 0})"), HasSubstr("sonar.pings.period_s"));
+  EXPECT_THAT(pings(R"({"of_beam": [0, 1, 2], "first_s": 1e9})"), HasSubstr("sonar.pings.first_s"));
+  const auto motion = [&](const std::string& text) {
+    return RefusalOf("\"time_s\": 0.5", "\"time_s\": 0.5, \"motion\": " + text);
+  };
+  EXPECT_THAT(motion(R"({"velocity_m_per_s": [0, 1]})"), HasSubstr("has 2 numbers, expected 3"));
+  EXPECT_THAT(motion(R"({"velocity_m_per_s": [0, 1, 2000]})"), HasSubstr("velocity_m_per_s[2]"));
+  EXPECT_THAT(motion(R"({"turn_rate_deg_per_s": [0, "fast", 0]})"), HasSubstr("turn_rate_deg_per_s[1]"));
+}
+
 TEST_F(RecordingFolderTest, TheFileItselfMayBeNamed) {
   Write();
   EXPECT_TRUE(IsRecordingFolder(dir_.path()));

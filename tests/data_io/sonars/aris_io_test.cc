@@ -285,6 +285,18 @@ std::string Detail(const RecordingInfo& info, const std::string& name) {
   return {};
 }
 
+// Column 0 is the leftmost beam, which the sonar numbers last.
+TEST_F(ArisTest, KnowsThePingOfEachColumn) {
+  SyntheticAris aris{.cycle_period_us = 7120};
+  const PingPattern pings = Open(aris.Write().bytes())->info().sonar.pings;
+  ASSERT_EQ(pings.of_beam.size(), 64U);
+  EXPECT_EQ(pings.count(), 4);
+  for (int column = 0; column < 64; ++column) EXPECT_EQ(pings.of_beam[column], (63 - column) % 4) << column;
+  EXPECT_DOUBLE_EQ(pings.period_s, 7.12e-3);
+  aris.cycle_period_us = 0;
+  EXPECT_FALSE(Open(aris.Write().bytes())->info().sonar.pings.is_timed());
+}
+
 TEST_F(ArisTest, SaysWhichPingABeamBelongsTo) {
   SyntheticAris aris{.cycle_period_us = 7120};
   EXPECT_EQ(
