@@ -98,6 +98,18 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
         {"level_db", report.curves_level->level_db},
         {"sigma_db", report.curves_level->sigma_db ? Json(*report.curves_level->sigma_db) : Json(nullptr)}};
   }
+  if (report.pings) {
+    const PingWorth& pings = *report.pings;
+    json["pings"] = {{"used", pings.used},
+                     {"per_frame", pings.pings},
+                     {"period_s", pings.period_s},
+                     {"max_turn_deg", pings.max_turn_deg},
+                     {"max_distance_m", pings.max_distance_m},
+                     {"frames", pings.frames},
+                     {"held_out", pings.held_out},
+                     {"gain_nats_per_pixel", FiniteOrNull(pings.gain_nats_per_pixel)},
+                     {"gain_sigma", FiniteOrNull(pings.gain_sigma)}};
+  }
   if (report.down_weighted_share) json["down_weighted_share"] = *report.down_weighted_share;
   json["start_costs"] = report.start_costs;
   json["cost_initial"] = FiniteOrNull(report.cost_initial);

@@ -53,6 +53,19 @@ struct CurvesLevel {
   std::optional<double> sigma_db = {};
 };
 
+// Gain of the pose of each ping over one pose per frame (calib/selection/ping_worth.h).
+struct PingWorth {
+  bool used = true;              // the fit gave each beam the pose of its ping
+  bool held_out = true;          // `frames` are held-out ones; otherwise fitted ones
+  std::vector<int> frames = {};  // on which the gain was measured
+  int pings = 0;                 // per frame
+  double period_s = 0.0;
+  double max_turn_deg = 0.0;  // of the sonar from the first to the last ping of a frame
+  double max_distance_m = 0.0;
+  double gain_nats_per_pixel = 0.0;  // of the log-likelihood, with the same values
+  double gain_sigma = 0.0;           // its standard error
+};
+
 struct FitReport {
   // Reasons to doubt the fit: one full sentence each, without a full stop. Shown before any figure.
   std::vector<std::string> warnings;
@@ -68,6 +81,7 @@ struct FitReport {
   std::optional<CurvesLevel> curves_level;    // acoustic model only
   std::optional<ResidualSummary> raw;         // grey levels, full scale 1; absent for a likelihood
   ResidualSummary whitened;                   // has a standard deviation of 1 if the model is right
+  std::optional<PingWorth> pings;             // absent: all beams of a frame have its pose
   std::optional<double> down_weighted_share;  // share of the pixels with a weight below 0.5
   std::vector<double> start_costs;            // cost at the end of each start, roughly solved
   double cost_initial = 0.0;

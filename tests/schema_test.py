@@ -55,6 +55,7 @@ REMOVED = object()
 # Complete documents: every property of their schemas.
 POSE = {"position_m": [4.8, 3.2, 0.75], "quaternion_wxyz": [1, 0, 0, 0]}
 WATER = {"temperature_c": 15, "salinity_ppt": 0.5, "ph": 7, "depth_m": 1}
+MOTION = {"velocity_m_per_s": [0.1, 0.2, -0.3], "turn_rate_deg_per_s": [0, -5, 30]}
 SETTINGS = {"gain_db": 18, "pulse_length_us": 15, "time_varied_gain": True, "compression": "logarithm"}
 GSAB = {"A": 0.1, "B_deg": 4, "C": 0.01, "D": 1, "E": 0.05, "F_deg": 10}
 PARAMS = {
@@ -115,6 +116,7 @@ RECORDING = {
         "beam_forming": "array",
         "azimuth_psf": [0.1, 0.8, 0.1],
         "beam_taper": [1, 1],
+        "pings": {"of_beam": [0, 1], "period_s": 0.005, "first_s": 0},
     },
     "water": WATER,
     "image": {
@@ -135,14 +137,15 @@ RECORDING = {
     "generator": "a simulation",
     "details": [["model", "paper"]],
     "notes": ["a sentence"],
-    "frames": [{"file": "frame_0000.png", "time_s": 0, "world_from_sonar": POSE, "settings": SETTINGS}],
+    "frames": [{
+        "file": "frame_0000.png", "time_s": 0, "world_from_sonar": POSE, "motion": MOTION, "settings": SETTINGS}],
 }
 CANDIDATE = {
     "what": "best", "world_from_sonar": POSE, "rms_difference": 0.01, "gain_db": -2.5, "worse_by_nats": 0,
     "worse_by_sigmas": 0, "explains_as_well": True,
 }
 POSES = {"format": "sonar-poses/1", "poses": [
-    {"time_s": 0, "world_from_sonar": POSE, "frame": 3, "candidates": [CANDIDATE], "open": ["roll"]}]}
+    {"time_s": 0, "world_from_sonar": POSE, "motion": MOTION, "frame": 3, "candidates": [CANDIDATE], "open": ["roll"]}]}
 FIT_CONFIG = {
     "format": "sonar-fit-config/1",
     "free": ["materials"],
@@ -197,6 +200,8 @@ ACCEPTED = {
         {"image.bits": 16, "image.full_scale": 65535, "image.quantity": "power"},
         {"image.bits": 32, "image.full_scale": 1e12, "image.settings": {}},
         {"sonar.range_bins": 100.0, "sonar.range_min_m": 0, "sonar.azimuth_beam_width_deg": 0},
+        {"sonar.pings.period_s": None, "sonar.pings.first_s": REMOVED, "frames.0.motion": {}},
+        {"frames.0.motion.velocity_m_per_s": None, "sonar.pings.comment": 1, "frames.0.motion.comment": 1},
         {"frames.0.file": ".hidden.png", "details": [], "notes": [], "frames.0.time_s": -1.5},
     ],
     "poses": [
@@ -237,6 +242,7 @@ AT_LIMITS = {
         "sonar.range_min_m": 0,
         "sonar.beam_azimuth_deg": [179, 180],
         "sonar.range_bins": 33554432,
+        "sonar.pings.of_beam": [0, 1],
         "image.full_scale": 255,
         "image.db_min": 0,
         "frames.0.world_from_sonar.quaternion_wxyz": [1.001, 0, 0, 0],
@@ -266,6 +272,8 @@ RELATIONS = {
         {"sonar.range_max_m": 1},
         {"sonar.beam_azimuth_deg": [0.5, -0.5]},
         {"sonar.beam_taper": [1]},
+        {"sonar.pings.of_beam": [0, 1, 2]},
+        {"sonar.pings.of_beam": [0, 2]},
         {"sonar.range_bins": 67108864},
         {"image.db_max": 0},
         {"image.db_span": 81},
@@ -525,7 +533,12 @@ class World:
             },
             "water": WATER,
         })
+        turning = self.read("sonar.json")
+        turning["sonar"]["pings"] = {"of_beam": [beam % 4 for beam in range(24)], "period_s": 0.01}
+        self.write("turning_input/sonar.json", turning)
         poses = self.read("paper/poses_tank.json")
+        turned = {f"poses.{i}.motion": {"turn_rate_deg_per_s": [0, 0, 40]} for i in range(len(poses["poses"]))}
+        self.write("turning_poses.json", changed(poses, turned))
         self.write("repeated.json", changed(poses, {"poses.1.world_from_sonar": poses["poses"][0]["world_from_sonar"]}))
         upwards = {"poses.0.world_from_sonar.quaternion_wxyz": [0.7071068, 0.7071068, 0, 0]}
         self.write("upwards.json", changed(POSES, upwards))
@@ -543,6 +556,8 @@ class World:
         run(f"simulate {paper} --noise --seed 1 --out recorded")
         run(f"simulate {paper} --expected --out expected")
         run(f"simulate {repeated} --noise --frozen-speckle --out frozen")
+        run("simulate --scene paper/tank.gltf --sonar turning_input/sonar.json --params acoustic.json "
+            "--poses turning_poses.json --rays 48x60 --noise --out turning")
         run(f"simulate {world} --params paper/params.json --poses upwards.json --rays 24x8 --out empty")
         run("convert recorded --frames 0:2 --out converted")
         self.compare()
@@ -569,6 +584,7 @@ class World:
         run(f"fit --real recorded {paper} --rays 48x40 --held-out 3 --out fitted")
         acoustic = f"fit --real frozen --scene paper/tank.gltf --params acoustic.json --rays 48x60 {quick}"
         run(f"{acoustic} --held-out 3 --choose looks --out chosen")
+        run(f"{acoustic.replace('frozen', 'turning')} --held-out 3 --pings ignore --out pings")
         run(f"{acoustic} --held-out 2,3 --free receiver.noise_db,pose.mount.z_m --trust-all --out moved")
         run("fit --real frozen --noise-only --find-background --out noise")
         run("fit --real frozen --still --out still")

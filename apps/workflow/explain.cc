@@ -50,7 +50,8 @@ std::vector<calib::GreyFrame> Read(const RecordingSource& recording,
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,
                       .image = recording.ReadFrame(index).image,
-                      .use = ValidPixels(recording.info())});
+                      .use = ValidPixels(recording.info()),
+                      .pings = PosesOfPings(recording.info().sonar.pings, poses[index].motion)});
   }
   return frames;
 }
@@ -137,9 +138,12 @@ class RecordingExplainer {
     std::vector<PolarImage> images;
     for (std::size_t f = 0; f < held_out_.size(); ++f) {
       const Pose& pose = step.poses_held_out[f];
-      images.push_back(simulator_->RenderEchoes(simulator_->TraceEchoes(pose), step.parameters,
-                                                held_out_[f].index,
-                                                simulator_->TraceGhosts(pose, step.parameters)));
+      const std::vector<PingPose>& pings = held_out_[f].pings;
+      images.push_back(pings.empty()
+                           ? simulator_->RenderEchoes(simulator_->TraceEchoes(pose), step.parameters,
+                                                      held_out_[f].index,
+                                                      simulator_->TraceGhosts(pose, step.parameters))
+                           : simulator_->RenderPings(pose, pings, step.parameters, held_out_[f].index));
       const double factor = held_out_[f].image.scale.full_scale / images.back().scale.full_scale;
       for (float& value : images.back().value.values()) value = static_cast<float>(value * factor);
       images.back().scale = held_out_[f].image.scale;

@@ -20,6 +20,7 @@
 #include "calib/acoustic_fit.h"
 #include "calib/mirror_start.h"
 #include "calib/models/held_out_frames.h"
+#include "calib/selection/ping_worth.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/parameters/parameters_io.h"
@@ -119,7 +120,8 @@ calib::ModelChoice Choose(const RecordingSource& recording, const sim::Simulator
       frames.push_back({.index = index,
                         .world_from_sonar = poses[index].world_from_sonar,
                         .image = recording.ReadFrame(index).image,
-                        .use = ValidPixels(recording.info(), options.pixels)});
+                        .use = ValidPixels(recording.info(), options.pixels),
+                        .pings = PosesOfPings(recording.info().sonar.pings, poses[index].motion)});
     }
     return frames;
   };
@@ -178,14 +180,39 @@ std::vector<int> FramesOf(const calib::FrameSplit& split) {
   return frames;
 }
 
-// Mean power of the echoes at a pose, without noise. One value per pixel, beams fastest.
+// Mean power of the echoes of a frame, without noise. One value per pixel, beams fastest.
 std::vector<double> EchoesExpected(const sim::Simulator& simulator, const ParameterSet& parameters,
-                                   const Pose& world_from_sonar) {
+                                   const Pose& world_from_sonar, const std::vector<PingPose>& pings) {
   const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
-  const sim::ScatterMap scatter = simulator.Scatter(simulator.TraceEchoes(world_from_sonar), parameters,
-                                                    simulator.TraceGhosts(world_from_sonar, parameters));
-  const Grid<double> echoes = sim::EchoPowerImage(scatter, geometry, parameters);
+  const Grid<double> echoes = GridByPing(world_from_sonar, pings, [&](const Pose& pose) {
+    const sim::ScatterMap scatter =
+        simulator.Scatter(simulator.TraceEchoes(pose), parameters, simulator.TraceGhosts(pose, parameters));
+    return sim::EchoPowerImage(scatter, geometry, parameters);
+  });
   return {echoes.values().begin(), echoes.values().end()};
+}
+
+std::vector<data_io::TimedPose> WithoutMotion(std::vector<data_io::TimedPose> poses) {
+  for (data_io::TimedPose& pose : poses) pose.motion.reset();
+  return poses;
+}
+
+// Frames with their poses and the motion of the recorded ones.
+std::vector<calib::GreyFrame> MovingFrames(const RecordingSource& recording, const std::vector<int>& indices,
+                                           const std::vector<data_io::TimedPose>& poses,
+                                           const std::vector<data_io::TimedPose>& recorded,
+                                           const std::optional<Mask>& pixels) {
+  std::vector<calib::GreyFrame> frames;
+  for (const int index : indices) {
+    std::vector<PingPose> pings = PosesOfPings(recording.info().sonar.pings, recorded[index].motion);
+    if (pings.empty()) continue;
+    frames.push_back({.index = index,
+                      .world_from_sonar = poses[index].world_from_sonar,
+                      .image = recording.ReadFrame(index).image,
+                      .use = ValidPixels(recording.info(), pixels),
+                      .pings = std::move(pings)});
+  }
+  return frames;
 }
 
 }  // namespace
@@ -239,7 +266,15 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   };
   CheckFittable(recording, initial, options);
   if (options.comparison.object) CheckObject(*options.comparison.object, scene.material_names);
-  const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(recording);
+  const std::vector<data_io::TimedPose> recorded_poses = data_io::PosesOfRecording(recording);
+  const std::vector<data_io::TimedPose> poses =
+      options.pings == PingUse::kUse && initial.model == EchoModel::kAcoustic ? recorded_poses
+                                                                              : WithoutMotion(recorded_poses);
+  const auto has_pings = [&](const data_io::TimedPose& pose) {
+    return !PosesOfPings(recording.info().sonar.pings, pose.motion).empty();
+  };
+  if (initial.model == EchoModel::kPaper && std::ranges::any_of(recorded_poses, has_pings))
+    say("the paper's model is fitted with one pose per frame: the poses of the pings are ignored");
   const calib::FrameSplit split = calib::SplitFrames(options.config, recording.frame_count());
   CheckSettings(recording, split);
   calib::CheckHeldOut(recording, split);
@@ -295,6 +330,9 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
                       .judged_on_held_out = !split.held_out.empty(),
                       .before = {},
                       .after = {}};
+  const auto pings_of = [&](const data_io::TimedPose& pose) {
+    return PosesOfPings(recording.info().sonar.pings, pose.motion);
+  };
   // Makes the expected images of given parameters and poses.
   using Poses = std::vector<data_io::TimedPose>;
   std::function<RenderFrame(const sim::Simulator&, const ParameterSet&, const Poses&)> expected_by;
@@ -325,10 +363,11 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
       result.weights.emplace_back(sonar.axes.range_bins, sonar.axes.beam_count());
       std::copy(weights.begin(), weights.end(), result.weights.back().values().begin());
     }
-    expected_by = [](const sim::Simulator& with, const ParameterSet& parameters, const Poses& from) {
+    expected_by = [&](const sim::Simulator& with, const ParameterSet& parameters, const Poses& from) {
       return [&](int frame) {
-        const Pose& pose = from[frame].world_from_sonar;
-        return with.RenderExpected(with.TraceEchoes(pose), parameters, with.TraceGhosts(pose, parameters));
+        return ImageByPing(from[frame].world_from_sonar, pings_of(from[frame]), [&](const Pose& pose) {
+          return with.RenderExpected(with.TraceEchoes(pose), parameters, with.TraceGhosts(pose, parameters));
+        });
       };
     };
   } else {
@@ -373,8 +412,10 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
           recording,
           [&, draw](int frame) {
             const Pose& pose = from[frame].world_from_sonar;
-            return with.RenderEchoes(with.TraceEchoes(pose), parameters,
-                                     frame + draw * recording.frame_count(),
+            const int seed = frame + draw * recording.frame_count();
+            if (const std::vector<PingPose> pings = pings_of(from[frame]); !pings.empty())
+              return with.RenderPings(pose, pings, parameters, seed);
+            return with.RenderEchoes(with.TraceEchoes(pose), parameters, seed,
                                      with.TraceGhosts(pose, parameters));
           },
           "a speckled sample");
@@ -387,10 +428,19 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     judge_pair.frames = EvenlySpread(judge.frames, kPairFrames);
     result.sample_pair = CompareRecordings(sample_by(*fitted_simulator, fitted, fitted_poses, 1),
                                            sample_by(*fitted_simulator, fitted, fitted_poses), judge_pair);
+    report.pings = calib::MeasurePingWorth(*fitted_simulator,
+                                           MovingFrames(recording, EvenlySpread(judge.frames, kMaxKeptFrames),
+                                                        fitted_poses, recorded_poses, options.pixels),
+                                           recording.info().sonar.pings, fitted, options.fit);
+    if (report.pings) {
+      report.pings->used = options.pings == PingUse::kUse;
+      report.pings->held_out = result.judged_on_held_out;
+    }
     result.still = MeasureStillPoses(recording, fitted, simulator.absorption_db_per_m(),
                                      ValidPixels(recording.info(), options.pixels), &report, [&](int frame) {
                                        return EchoesExpected(*fitted_simulator, fitted,
-                                                             fitted_poses[frame].world_from_sonar);
+                                                             fitted_poses[frame].world_from_sonar,
+                                                             pings_of(fitted_poses[frame]));
                                      });
   }
   if (!result.judged_on_held_out && split.used.size() == 1) {
@@ -493,6 +543,8 @@ RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const Par
   const bool acoustic = start.model == EchoModel::kAcoustic;
   if (options.trust_all && !acoustic)
     throw UsageError("--trust-all has no effect: the paper's model gives all pixels full weight");
+  if (options.pings == PingUse::kIgnore && !acoustic)
+    throw UsageError("--pings ignore has no effect: the paper's model is fitted with one pose per frame");
   const ThreadLimit threads(options.rays.threads);
   for (const std::string& sentence : MirrorCaveats(start, scene.material_names)) listener.Message(sentence);
   FitRecordingOptions fit;
@@ -508,6 +560,7 @@ RecordingFit Fit(const RecordingSource& recording, const Scene& scene, const Par
   fit.fit.starts = options.starts;
   fit.fit.threads = options.rays.threads;
   fit.fit.down_weight = !options.trust_all && acoustic;
+  fit.pings = options.pings;
   fit.fit.progress = listener.message;
   fit.fit.stop = listener.stop;
   fit.on_note = listener.message;

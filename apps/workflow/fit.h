@@ -11,6 +11,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -29,9 +30,19 @@
 #include "core/types/option.h"
 #include "core/types/recording.h"
 #include "core/types/scene.h"
+#include "core/types/words.h"
 #include "data_io/pose_io.h"
 
 namespace sonarcal::workflow {
+
+// Whether the beams of a frame have the poses of their pings, if they are known.
+enum class PingUse { kUse, kIgnore };
+constexpr auto WordsOf(std::type_identity<PingUse>) {
+  return Words<PingUse, 2>{{{"use", PingUse::kUse}, {"ignore", PingUse::kIgnore}}};
+}
+inline constexpr const char* kPingUseHelp =
+    "Poses of the pings that make a frame, if the recording states pings and motion: use (each beam has the "
+    "pose of its ping; acoustic model) or ignore (all beams have the pose of the frame)";
 
 struct FitRecordingOptions {
   RayOptions rays;  // without a sampling: that of the recording if it states one, else beams
@@ -47,6 +58,7 @@ struct FitRecordingOptions {
   std::vector<calib::ChoiceAxis> choose = {};
   // True parameters of a simulated recording, reported beside the fitted ones. Absent: those of ReadTruth.
   std::optional<ParameterSet> truth = {};
+  PingUse pings = PingUse::kUse;
   bool keep_images = true;  // keeps images of at most 16 compared frames for pictures
   std::function<void(int frames_done, int frames_in_all)> on_trace = {};  // after each frame
   std::function<void(const std::string& sentence)> on_note = {};          // messages for the user
@@ -125,6 +137,7 @@ struct FitOptions {
   FrameList frames = {};
   FrameLimits limits = {};
   bool trust_all = false;
+  PingUse pings = PingUse::kUse;
   RayOptions rays = {};
   int max_iterations = 100;
   int starts = 4;
@@ -171,6 +184,7 @@ struct FitOptions {
                      .help = "Acoustic model: gives all pixels full weight, also those that do not match the "
                              "scene"},
           self.trust_all);
+    visit(OptionInfo{.name = "pings", .help = kPingUseHelp}, self.pings);
     RayOptions::Visit(self.rays, visit);
     visit(OptionInfo{.name = "max_iterations",
                      .help = "Max number of iterations of each solver run",

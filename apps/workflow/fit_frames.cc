@@ -76,7 +76,8 @@ std::vector<calib::AcousticFrame> AcousticFrames(const RecordingSource& recordin
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,
                       .recorded = calib::RecordedPowers(recording.ReadFrame(index).image, display),
-                      .use = ValidPixels(recording.info(), options.pixels)});
+                      .use = ValidPixels(recording.info(), options.pixels),
+                      .pings = PosesOfPings(recording.info().sonar.pings, poses[index].motion)});
   }
   return frames;
 }

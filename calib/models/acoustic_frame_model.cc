@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 
 #include "calib/models/coarse_frame_model.h"
 #include "calib/models/down_weight.h"
+#include "calib/models/ping_echoes.h"
 #include "calib/parameters/placement_steps.h"
 #include "calib/parameters/pose_step.h"
 #include "core/types/error.h"
@@ -193,7 +195,7 @@ std::vector<double> AcousticFrameModel::TracedCosts(const ParameterValues& value
   const ParameterSet parameters = Parameters(values);
   std::vector<double> costs(frames_.size(), 0.0);
   tbb::parallel_for(0, frame_count(), [&](int frame) {
-    const PolarImage power = ExpectedPowerFrom(PoseOf(frame, values), parameters, rays);
+    const PolarImage power = ExpectedPowerFrom(frame, PoseOf(frame, values), parameters, rays);
     for (std::size_t pixel = 0; pixel < pixel_count(); ++pixel) {
       if (!Counts(frame, pixel)) continue;
       const double mean = power.value.values()[pixel];
@@ -227,14 +229,20 @@ Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, con
   return sim::EchoPowerImage(scatter, geometry, parameters);
 }
 
-PolarImage AcousticFrameModel::ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                                 const Rays& rays) const {
-  Grid<double> power = EchoPowerFrom(world_from_sonar, parameters, rays);
+Grid<double> AcousticFrameModel::EchoPowerFrom(int frame, const Pose& world_from_sonar,
+                                               const ParameterSet& parameters, const Rays& rays) const {
+  return GridByPing(world_from_sonar, frames_[frame].pings,
+                    [&](const Pose& pose) { return EchoPowerFrom(pose, parameters, rays); });
+}
+
+PolarImage AcousticFrameModel::ExpectedPowerFrom(int frame, const Pose& world_from_sonar,
+                                                 const ParameterSet& parameters, const Rays& rays) const {
+  Grid<double> power = EchoPowerFrom(frame, world_from_sonar, parameters, rays);
   sim::AddNoiseFloor(GeometryWith(*rays.simulator), parameters, power);
   return sim::PowerImage(rays.simulator->sonar().axes, power);
 }
 
-sim::GhostList AcousticFrameModel::GhostsOf(const sim::Simulator& simulator, int frame,
+sim::GhostList AcousticFrameModel::GhostsOf(const sim::Simulator& simulator, const Pose& world_from_sonar,
                                             const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
   ParameterSet parameters = Parameters(values);
@@ -243,15 +251,27 @@ sim::GhostList AcousticFrameModel::GhostsOf(const sim::Simulator& simulator, int
   });
   double& end_deg = parameters.beam.transmit_end_deg;
   if (transmit_moves) end_deg = kTransmitGridDeg * std::ceil(kTransmitReach * end_deg / kTransmitGridDeg);
-  return simulator.TraceGhosts(PoseOf(frame, values), parameters);
+  return simulator.TraceGhosts(world_from_sonar, parameters);
 }
 
 FrameEchoes AcousticFrameModel::EchoesAbout(const sim::Simulator& simulator, int frame,
                                             const ParameterValues& values,
                                             const std::vector<int>& geometric) const {
-  const sim::EchoPower at_pose = sim::EchoesOfPose(simulator, PoseOf(frame, values), Parameters(values));
+  const Pose pose = PoseOf(frame, values);
+  const std::vector<PingPose>& pings = frames_[frame].pings;
+  if (pings.empty()) return EchoesFrom(simulator, pose, values, geometric);
+  std::vector<FrameEchoes> of_pings;
+  for (const PingPose& ping : pings)
+    of_pings.push_back(EchoesFrom(simulator, pose * ping.frame_from_ping, values, geometric));
+  return EchoesByPing(pings, beams(), of_pings);
+}
+
+FrameEchoes AcousticFrameModel::EchoesFrom(const sim::Simulator& simulator, const Pose& world_from_sonar,
+                                           const ParameterValues& values,
+                                           const std::vector<int>& geometric) const {
+  const sim::EchoPower at_pose = sim::EchoesOfPose(simulator, world_from_sonar, Parameters(values));
   FrameEchoes echoes{.at_point = sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(values))};
-  const sim::GhostList ghosts = GhostsOf(simulator, frame, values, geometric);
+  const sim::GhostList ghosts = GhostsOf(simulator, world_from_sonar, values, geometric);
   if (!ghosts.echoes.empty()) echoes.ghosts = sim::GatherGhostEchoes(simulator, ghosts, Parameters(values));
   for (const int index : geometric) {
     const CatalogEntry& entry = catalog_[index];
@@ -273,7 +293,7 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const sim::Simulator& simulator, int
     const bool arrives_alike = entry.group == ParameterGroup::kPulse || entry.index == 0;
     const auto gather = [&](const ParameterValues& at) {
       return arrives_alike ? sim::ThroughBeamAndPulse(simulator, at_pose, Parameters(at))
-                           : sim::GatherPixelEchoes(simulator, PoseOf(frame, at), Parameters(at));
+                           : sim::GatherPixelEchoes(simulator, world_from_sonar, Parameters(at));
     };
     echoes.slopes.back().echoes = sim::Difference(gather(above), gather(below), 1.0 / (2.0 * step));
   }
@@ -283,28 +303,49 @@ FrameEchoes AcousticFrameModel::EchoesAbout(const sim::Simulator& simulator, int
 void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int frame,
                                           const ParameterValues& values, const std::vector<int>& geometric,
                                           FrameEchoes& echoes) const {
-  constexpr double kDifference = 1e-5;
   const auto of_frame = [&](int index) {
     const CatalogEntry& entry = catalog_[index];
     if (IsRigidMove(entry)) return true;
     if (entry.group != ParameterGroup::kPose) return entry.group == ParameterGroup::kGeometry;
     return entry.frame == frame || entry.frame == kMountFrame;
   };
-  if (std::ranges::none_of(geometric, of_frame)) return;
-  const ParameterSet parameters = Parameters(values);
-  const Pose pose = PoseOf(frame, values);
+  std::vector<int> entries;
+  std::ranges::copy_if(geometric, std::back_inserter(entries), of_frame);
+  if (entries.empty()) return;
+  std::vector<std::vector<float>> slopes(entries.size(), std::vector<float>(pixel_count(), 0.0F));
+  const std::vector<PingPose>& pings = frames_[frame].pings;
+  if (pings.empty()) {
+    PingPose all{.frame_from_ping = {}, .beams = std::vector<int>(beams())};
+    std::iota(all.beams.begin(), all.beams.end(), 0);
+    AddSlopesOfPing(simulator, frame, all, values, entries, slopes);
+  }
+  for (const PingPose& ping : pings) AddSlopesOfPing(simulator, frame, ping, values, entries, slopes);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const CatalogEntry& entry = catalog_[entries[i]];
+    if (ChangesAxes(entry)) ScaleToEntry(sonar().axes, entry, slopes[i]);
+    echoes.slopes.push_back({.entry = entries[i], .logarithm = std::move(slopes[i])});
+  }
+}
+
+void AcousticFrameModel::AddSlopesOfPing(const sim::Simulator& simulator, int frame, const PingPose& ping,
+                                         const ParameterValues& values, const std::vector<int>& entries,
+                                         std::vector<std::vector<float>>& slopes) const {
+  constexpr double kDifference = 1e-5;
+  const Pose pose = PoseOf(frame, values) * ping.frame_from_ping;
   const bool objects_move =
-      std::ranges::any_of(geometric, [&](int index) { return IsRigidMove(catalog_[index]); });
+      std::ranges::any_of(entries, [&](int index) { return IsRigidMove(catalog_[index]); });
   const MoveSlopes moves = SlopesFrom(simulator, pose, values, objects_move);
-  const Grid<double> rest = FloorOfEchoes(parameters);
-  for (const int index : geometric) {
-    if (!of_frame(index)) continue;
+  const Grid<double> rest = FloorOfEchoes(Parameters(values));
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const int index = entries[i];
     const CatalogEntry& entry = catalog_[index];
-    std::vector<float> slope(pixel_count(), 0.0F);
+    std::vector<float>& slope = slopes[i];
     const auto add = [&](double factor, const Grid<float>& of_move) {
-      for (std::size_t pixel = 0; pixel < slope.size(); ++pixel) {
-        slope[pixel] += static_cast<float>(factor * of_move.values()[pixel] /
-                                           (moves.power.values()[pixel] + rest.values()[pixel]));
+      for (int bin = 0; bin < of_move.rows(); ++bin) {
+        for (const int beam : ping.beams) {
+          slope[static_cast<std::size_t>(bin) * beams() + beam] +=
+              static_cast<float>(factor * of_move(bin, beam) / (moves.power(bin, beam) + rest(bin, beam)));
+        }
       }
     };
     if (IsRigidMove(entry)) {
@@ -316,11 +357,9 @@ void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int f
     } else {
       ParameterValues at = values;
       at[index] += kDifference;
-      const PoseStep step = StepBetween(pose, PoseOf(frame, at)) / kDifference;
+      const PoseStep step = StepBetween(pose, PoseOf(frame, at) * ping.frame_from_ping) / kDifference;
       for (int k = 0; k < kPoseSteps; ++k) add(step(k), moves.along[k]);
     }
-    if (ChangesAxes(entry)) ScaleToEntry(sonar().axes, entry, slope);
-    echoes.slopes.push_back({.entry = index, .logarithm = std::move(slope)});
   }
 }
 
@@ -407,8 +446,8 @@ void AcousticFrameModel::AddSlopesOfScene(const ParameterValues& values, const s
       const Pose pose = PoseOf(frame, values);
       echoes[frame].slopes.push_back(
           {.entry = index,
-           .logarithm = LogarithmSlope({EchoPowerFrom(pose, parameters, rays_above),
-                                        EchoPowerFrom(pose, parameters, rays_below), 2.0 * step},
+           .logarithm = LogarithmSlope({EchoPowerFrom(frame, pose, parameters, rays_above),
+                                        EchoPowerFrom(frame, pose, parameters, rays_below), 2.0 * step},
                                        parameters)});
     });
   }

@@ -25,6 +25,7 @@
 #include "calib/models/power_likelihood.h"
 #include "core/types/image.h"
 #include "core/types/parameters.h"
+#include "core/types/pings.h"
 #include "core/types/pose.h"
 #include "sim/gathered/pixel_echoes.h"
 #include "sim/simulator.h"
@@ -38,6 +39,8 @@ struct AcousticFrame {
   Pose world_from_sonar;
   std::vector<RecordedPower> recorded;  // range_bins x beams
   std::vector<std::uint8_t> use = {};   // 1 for used pixels; empty: all
+  // Pings with their own poses, relative to that of the frame, which they follow; empty: one pose.
+  std::vector<PingPose> pings = {};
 };
 
 // Powers behind the grey values of an image. Values at the ends of the display are censored.
@@ -96,16 +99,16 @@ class AcousticFrameModel final : public FrameModel {
   Rays RaysAt(const ParameterValues& values, int decimation) const;
   // Returns the rays of another fan at these values.
   Rays RaysAt(const ParameterValues& values, const sim::RayFanOptions& fan) const;
-  // Mean power of the echoes from a pose, without noise. Ghosts have the same decimation as the rays. Not
-  // linearised.
-  Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+  // Mean power of the echoes of a frame if it had this pose, without noise. Ghosts have the same decimation
+  // as the rays. Not linearised.
+  Grid<double> EchoPowerFrom(int frame, const Pose& world_from_sonar, const ParameterSet& parameters,
                              const Rays& rays) const;
   // Mean power including the noise floor.
-  PolarImage ExpectedPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+  PolarImage ExpectedPowerFrom(int frame, const Pose& world_from_sonar, const ParameterSet& parameters,
                                const Rays& rays) const;
 
-  // Slopes of the echoes from a pose, at the simulator for these values. `objects`: also those along moves of
-  // objects, of which SlopeAlongObject gives one entry.
+  // Slopes of the echoes of all beams from one pose, at the simulator for these values. `objects`: also those
+  // along moves of objects, of which SlopeAlongObject gives one entry.
   MoveSlopes SlopesFrom(const sim::Simulator& simulator, const Pose& world_from_sonar,
                         const ParameterValues& values, bool objects) const;
   Grid<float> SlopeAlongObject(const MoveSlopes& slopes, int entry, const Pose& world_from_sonar,
@@ -180,9 +183,11 @@ class AcousticFrameModel final : public FrameModel {
   std::vector<float> LogarithmSlope(const EchoPair& echoes, const ParameterSet& parameters) const;
   // Echoes far below the noise have no effect. This floor, added to them, keeps their logarithm constant.
   Grid<double> FloorOfEchoes(const ParameterSet& parameters) const;
-  // Ghosts in a frame, as far beside the beams as a free transmitter angle may reach.
-  sim::GhostList GhostsOf(const sim::Simulator& simulator, int frame, const ParameterValues& values,
-                          const std::vector<int>& geometric) const;
+  // Ghosts from a pose, as far beside the beams as a free transmitter angle may reach.
+  sim::GhostList GhostsOf(const sim::Simulator& simulator, const Pose& world_from_sonar,
+                          const ParameterValues& values, const std::vector<int>& geometric) const;
+  Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                             const Rays& rays) const;
   bool HasSlopes() const;
   // Block of pixels for a coarse model; nullopt if that would be no cheaper.
   std::optional<PixelBlock> BlockFor(std::size_t wanted_pixels) const;
@@ -190,6 +195,8 @@ class AcousticFrameModel final : public FrameModel {
                                        const std::vector<int>& geometric) const;
   FrameEchoes EchoesAbout(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                           const std::vector<int>& geometric) const;
+  FrameEchoes EchoesFrom(const sim::Simulator& simulator, const Pose& world_from_sonar,
+                         const ParameterValues& values, const std::vector<int>& geometric) const;
   // True if the echoes about the present point serve for other values, and these entries have no slope by
   // gathered echoes.
   bool KeepsEchoes(const ParameterValues& values, const std::vector<int>& geometric) const;
@@ -199,6 +206,10 @@ class AcousticFrameModel final : public FrameModel {
   // tell them apart.
   void AddSlopesOfMoves(const sim::Simulator& simulator, int frame, const ParameterValues& values,
                         const std::vector<int>& geometric, FrameEchoes& echoes) const;
+  // Adds the slopes of the beams of one ping of the frame to those of `entries`.
+  void AddSlopesOfPing(const sim::Simulator& simulator, int frame, const PingPose& ping,
+                       const ParameterValues& values, const std::vector<int>& entries,
+                       std::vector<std::vector<float>>& slopes) const;
   // Slopes along changes of the scene that are no rigid moves: scales of objects and outlines.
   void AddSlopesOfScene(const ParameterValues& values, const std::vector<int>& geometric,
                         std::vector<FrameEchoes>& echoes) const;

@@ -1,5 +1,6 @@
 // Frames with fewer pixels, for searches: the mean power of blocks of neighbouring pixels, on coarser axes. A
-// search over blocks smaller than a speckle cell loses little.
+// search over blocks smaller than a speckle cell loses little. Blocks mix beams of different pings, so a
+// frame has one pose here.
 #pragma once
 
 #include <vector>

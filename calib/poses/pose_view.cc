@@ -38,7 +38,7 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
 }
 
 Grid<float> PoseView::PowerFrom(const Pose& world_from_sonar, const Rays& rays) const {
-  return model_.ExpectedPowerFrom(world_from_sonar, parameters_, rays).value;
+  return model_.ExpectedPowerFrom(frame_, world_from_sonar, parameters_, rays).value;
 }
 
 Grid<float> PoseView::ExpectedShown(const Grid<float>& power) const {

@@ -111,7 +111,8 @@ std::vector<AcousticFrame> FramesFor(const std::vector<GreyFrame>& frames,
     result.push_back({.index = frame.index,
                       .world_from_sonar = frame.world_from_sonar,
                       .recorded = RecordedPowers(frame.image, display),
-                      .use = frame.use});
+                      .use = frame.use,
+                      .pings = frame.pings});
   }
   return result;
 }

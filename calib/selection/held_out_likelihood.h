@@ -27,6 +27,7 @@ struct GreyFrame {
   Pose world_from_sonar;
   PolarImage image;                    // grey levels
   std::vector<std::uint8_t> use = {};  // 1 for used pixels; empty: all
+  std::vector<PingPose> pings = {};    // as in AcousticFrame
 };
 
 // Converts the frames to those of a fit of the acoustic model, with powers through this display.

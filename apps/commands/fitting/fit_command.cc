@@ -30,6 +30,7 @@
 #include "apps/workflow/simulate.h"
 #include "apps/workflow/still_poses.h"
 #include "calib/acoustic_fit.h"
+#include "calib/selection/ping_worth.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
@@ -170,6 +171,7 @@ std::string SummaryText(const workflow::RecordingFit& fit, const std::string& re
   add_image("expected image", fit.before, fit.after);
   if (fit.sample_before && fit.sample_after)
     add_image("speckled sample", *fit.sample_before, *fit.sample_after);
+  if (report.pings) text += calib::PingWorthText(*report.pings) + "\n";
   if (report.down_weighted_share) {
     text +=
         fmt::format("{:.1f} % of the pixels used have a weight below one half: they do not match the scene\n",

@@ -15,6 +15,7 @@
 #include "apps/report/sections/agreement_section.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/figure_words.h"
+#include "calib/selection/ping_worth.h"
 #include "sim/physics/gsab.h"
 
 namespace sonarcal::report {
@@ -313,6 +314,7 @@ void AddFitComparison(HtmlReport& report, const workflow::RecordingFit& fit) {
     AddBeforeAfterTable(report, *fit.sample_before, *fit.sample_after,
                         "As above, with a speckled sample in place of the expected image");
   }
+  if (fit.fit.report.pings) report.Paragraph(calib::PingWorthText(*fit.fit.report.pings));
   report.Paragraph("The expected image after the fit:");
   report.List(SummaryInWords(fit.after));
   const bool synthetic = fit.after.real_is_synthetic;

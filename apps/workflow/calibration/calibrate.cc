@@ -128,6 +128,23 @@ std::vector<std::string> UndeterminedIn(const calib::FitReport& report) {
   return names;
 }
 
+// Recording whose beams have the pose of their frame.
+class WithoutPings final : public RecordingSource {
+ public:
+  explicit WithoutPings(const RecordingSource& recording) : recording_(recording), info_(recording.info()) {
+    info_.sonar.pings = {};
+  }
+
+  const RecordingInfo& info() const override { return info_; }
+  int frame_count() const override { return recording_.frame_count(); }
+  FrameInfo frame_info(int index) const override { return recording_.frame_info(index); }
+  Frame ReadFrame(int index) const override { return recording_.ReadFrame(index); }
+
+ private:
+  const RecordingSource& recording_;
+  RecordingInfo info_;
+};
+
 class Calibrator {
  public:
   Calibrator(const RecordingSource& recording, const Scene& scene, const CalibrateOptions& options,
@@ -865,6 +882,10 @@ std::vector<std::string> MovableObjects(const Scene& scene) {
 Calibration Calibrate(const RecordingSource& recording, const Scene& scene, const CalibrateOptions& options,
                       const CalibrationInput& input, const Listener& listener,
                       const std::function<void(const CalibrationPlan&)>& on_stage) {
+  if (options.pings == PingUse::kIgnore) {
+    const WithoutPings one_pose(recording);
+    return Calibrator(one_pose, scene, options, input, listener, on_stage).Run();
+  }
   return Calibrator(recording, scene, options, input, listener, on_stage).Run();
 }
 

@@ -29,6 +29,7 @@ struct CalibrateOptions {
   FrameList frames = {};
   FrameLimits limits = {};
   MaterialOptions materials = {};
+  PingUse pings = PingUse::kUse;
   RayOptions rays = {};
 
   template <typename Self, typename Visitor>
@@ -49,6 +50,7 @@ struct CalibrateOptions {
         self.frames);
     FrameLimits::Visit(self.limits, visit);
     MaterialOptions::Visit(self.materials, visit);
+    visit(OptionInfo{.name = "pings", .help = kPingUseHelp}, self.pings);
     RayOptions::Visit(self.rays, visit);
   }
 };

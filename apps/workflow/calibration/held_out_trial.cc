@@ -16,7 +16,8 @@ std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording, const
     frames.push_back({.index = index,
                       .world_from_sonar = poses.at(index).world_from_sonar,
                       .image = recording.ReadFrame(index).image,
-                      .use = ValidPixels(recording.info())});
+                      .use = ValidPixels(recording.info()),
+                      .pings = PosesOfPings(recording.info().sonar.pings, poses.at(index).motion)});
   }
   return frames;
 }

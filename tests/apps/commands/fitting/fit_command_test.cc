@@ -412,6 +412,7 @@ TEST_F(FitCommand, OptionsOfOtherWaysToFitAreRefused) {
   for (const auto& [arguments, name] : std::vector<std::pair<std::string, std::string>>{
            {Arguments("--find-background"), "--find-background has no effect without --noise-only"},
            {Arguments("--trust-all"), "--trust-all has no effect"},
+           {Arguments("--pings ignore"), "--pings ignore has no effect"},
            {Arguments("--echo-level 0.1"), "--echo-level has no effect without --simulated-object echoes"},
            {real + " --noise-only --object box", "--object has no effect with --noise-only"},
            {real + " --noise-only --rays 48x40", "--rays has no effect with --noise-only"},
