@@ -11,12 +11,12 @@
 
 namespace sonarcal::metrics {
 
-inline constexpr double kLeastLooks = 0.05;
-inline constexpr double kMostLooks = 1000.0;
+inline constexpr double kMinLooks = 0.05;
+inline constexpr double kMaxLooks = 1000.0;
 
 struct BackgroundLaw {
   Grid<float> mean_power;  // range_bins x beam_count, positive, in any unit
-  double looks = 1.0;      // kLeastLooks..kMostLooks
+  double looks = 1.0;      // kMinLooks..kMaxLooks
   // Power displayed as v (fraction of full scale, 0..1), increasing, in the unit of mean_power.
   std::function<double(double value)> power_of_value;
 };

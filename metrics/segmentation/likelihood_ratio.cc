@@ -13,9 +13,8 @@ Grid<float> LikelihoodDecades(const Grid<float>& grey, double full_scale, const 
     throw DataError("the background's law is one of {} x {} pixels, expected {} range bins x {} beams",
                     law.mean_power.rows(), law.mean_power.cols(), grey.rows(), grey.cols());
   }
-  if (!(law.looks >= kLeastLooks && law.looks <= kMostLooks)) {
-    throw DataError("the background's law has {} looks, expected {} to {}", law.looks, kLeastLooks,
-                    kMostLooks);
+  if (!(law.looks >= kMinLooks && law.looks <= kMaxLooks)) {
+    throw DataError("the background's law has {} looks, expected {} to {}", law.looks, kMinLooks, kMaxLooks);
   }
   Grid<float> ratio = PowerOfGrey(grey, full_scale, law.power_of_value);
   for (std::size_t i = 0; i < ratio.size(); ++i) {

@@ -61,8 +61,8 @@ void SegmentationOptions::Check() const {
   for (const auto& [field, value] : {std::pair{"cell_rows", cell_rows}, {"cell_cols", cell_cols}}) {
     Require(value >= 1 && value <= 101 && value % 2 == 1, field, value, "an odd number from 1 to 101");
   }
-  Require(looks >= kLeastLooks && looks <= kMostLooks, "looks", looks,
-          fmt::format("{} to {}", kLeastLooks, kMostLooks));
+  Require(looks >= kMinLooks && looks <= kMaxLooks, "looks", looks,
+          fmt::format("{} to {}", kMinLooks, kMaxLooks));
   Require(os_quantile >= 0.01 && os_quantile <= 0.99, "os_quantile", os_quantile, "0.01 to 0.99");
   if (method == SegmentationMethod::kLikelihoodRatio && background_law == nullptr) {
     throw DataError(

@@ -121,7 +121,7 @@ struct SegmentationOptions {
   double false_alarm_rate = 1e-3;  // more than 0, less than 1
   int cell_rows = 1;               // size of the tested cell, whose mean is used; odd
   int cell_cols = 1;
-  // kCaCfar, kOsCfar: looks per pixel, kLeastLooks..kMostLooks. kLikelihoodRatio uses those of its law.
+  // kCaCfar, kOsCfar: looks per pixel, kMinLooks..kMaxLooks. kLikelihoodRatio uses those of its law.
   double looks = 1.0;
   double os_quantile = 0.75;  // kOsCfar: quantile of the training cells, 0.01..0.99
   CfarDomain cfar_domain = CfarDomain::kAuto;
