@@ -74,8 +74,8 @@ TEST_F(MirrorFit, MeanPowersAreThoseOfTheImageWithGhosts) {
     const std::vector<double> mean_direct =
         direct_model.MeanPower(static_cast<int>(frame), direct_model.initial_values());
     const AcousticFrameModel::Rays rays = model.RaysAt(values, 1);
-    const PolarImage slow = model.ExpectedPowerFrom(pose, moved, rays);
-    const PolarImage direct = model.ExpectedPowerFrom(pose, without, rays);
+    const PolarImage slow = model.ExpectedPowerFrom(0, pose, moved, rays);
+    const PolarImage direct = model.ExpectedPowerFrom(0, pose, without, rays);
     for (std::size_t i = 0; i < mean.size(); ++i) {
       // What ghosts add to direct echoes and noise, of which the nodes of curves have an error of their own.
       const double added_db = 10.0 * std::log10(slow.value.values()[i] / direct.value.values()[i]);

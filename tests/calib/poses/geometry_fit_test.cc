@@ -184,7 +184,7 @@ TEST_F(GeometryFit, SlopesAlongScalesAreThoseOfTracedImages) {
     const auto traced = [&](double by) {
       ParameterValues moved = values;
       moved[slope.entry] += by;
-      return model.EchoPowerFrom(frames[0].world_from_sonar, truth_, model.RaysAt(moved, dense));
+      return model.EchoPowerFrom(0, frames[0].world_from_sonar, truth_, model.RaysAt(moved, dense));
     };
     const Grid<double> above = traced(step);
     const Grid<double> below = traced(-step);

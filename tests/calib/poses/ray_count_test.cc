@@ -30,7 +30,7 @@ TEST(RayCount, StaggeredColumnsBringAFrameNearToVeryMany) {
     const auto power = [&](const sim::RayFanOptions& rays) {
       const AcousticFrameModel::Rays traced{model.SimulatorAt(model.initial_values()),
                                             sim::RayFan(tank.simulator.sonar(), rays)};
-      return model.ExpectedPowerFrom(tank.TruePose(frame), truth, traced).value;
+      return model.ExpectedPowerFrom(0, tank.TruePose(frame), truth, traced).value;
     };
     const Grid<float> very_many = power(dense);
     const auto nats = [&](const Grid<float>& of) {
