@@ -259,7 +259,7 @@ TEST(SegmentationOptionsTest, AnInvalidOptionIsNamedWithValueAndLimit) {
   EXPECT_THAT(MessageOf({.training_rows = 0, .training_cols = 0}), HasSubstr("training_rows is 0"));
   EXPECT_THAT(MessageOf({.false_alarm_rate = 0.0}), HasSubstr("false_alarm_rate is 0, expected more than 0"));
   EXPECT_THAT(MessageOf({.cell_rows = 4}), HasSubstr("cell_rows is 4, expected an odd number"));
-  EXPECT_THAT(MessageOf({.looks = 0.1}), HasSubstr("looks is 0.1"));
+  EXPECT_THAT(MessageOf({.looks = 0.04}), HasSubstr("looks is 0.04"));
   EXPECT_THAT(MessageOf({.os_quantile = 1.0}), HasSubstr("os_quantile is 1"));
   EXPECT_THAT(MessageOf({.method = SegmentationMethod::kLikelihoodRatio}),
               HasSubstr("has no law of the background"));
