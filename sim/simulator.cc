@@ -138,8 +138,8 @@ PolarImage Simulator::RenderPings(const Pose& world_from_sonar, const std::vecto
   if (parameters.model == EchoModel::kCoherent)
     return RenderCoherent(world_from_sonar, pings, parameters, seeds);
   if (parameters.model == EchoModel::kPaper || !options_.noise) {
-    return ImageByPing(world_from_sonar, pings,
-                       [&](const Pose& pose) { return Render(pose, parameters, seeds); });
+    return RenderByPing(world_from_sonar, pings,
+                        [&](const Pose& pose) { return Render(pose, parameters, seeds); });
   }
   const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
   PolarImage image;

@@ -88,11 +88,11 @@ PolarImage ResidualView::Expected(int position, const calib::ParameterValues& va
                                  sim::PaperParametersFor(parameters, simulator_->caster().material_names()));
   } else {
     const ParameterSet parameters = acoustic_->Parameters(values);
-    image = ImageByPing(acoustic_->PoseOf(position, values), acoustic_->frame(position).pings,
-                        [&](const Pose& pose) {
-                          return simulator_->RenderExpected(simulator_->TraceEchoes(pose), parameters,
-                                                            simulator_->TraceGhosts(pose, parameters));
-                        });
+    image = RenderByPing(acoustic_->PoseOf(position, values), acoustic_->frame(position).pings,
+                         [&](const Pose& pose) {
+                           return simulator_->RenderExpected(simulator_->TraceEchoes(pose), parameters,
+                                                             simulator_->TraceGhosts(pose, parameters));
+                         });
   }
   const ImageScale& scale = recording_->info().scale;
   const double factor = scale.full_scale / image.scale.full_scale;

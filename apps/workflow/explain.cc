@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/workflow/fit.h"
+#include "apps/workflow/fit_frames.h"
 #include "apps/workflow/scene_geometry.h"
 #include "apps/workflow/simulate.h"
 #include "calib/acoustic_fit.h"
@@ -40,20 +41,6 @@ void CheckExplainable(const RecordingSource& recording, const ParameterSet& give
   if (recording.frame_count() < 2) {
     throw DataError("{}: one frame, expected at least two: one to fit and one to evaluate on", info.source);
   }
-}
-
-std::vector<calib::GreyFrame> Read(const RecordingSource& recording,
-                                   const std::vector<data_io::TimedPose>& poses,
-                                   const std::vector<int>& indices) {
-  std::vector<calib::GreyFrame> frames;
-  for (const int index : indices) {
-    frames.push_back({.index = index,
-                      .world_from_sonar = poses[index].world_from_sonar,
-                      .image = recording.ReadFrame(index).image,
-                      .use = ValidPixels(recording.info()),
-                      .pings = PosesOfPings(recording.info().sonar.pings, poses[index].motion)});
-  }
-  return frames;
 }
 
 // A recording of the held-out frames only; with `images` in place of the recorded ones, if given.
@@ -104,8 +91,8 @@ class RecordingExplainer {
     CheckSettings(recording, result_.split);
     calib::CheckHeldOut(recording, result_.split);
     const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(recording);
-    used_ = Read(recording, poses, result_.split.used);
-    held_out_ = Read(recording, poses, result_.split.held_out);
+    used_ = GreyFrames(recording, poses, result_.split.used);
+    held_out_ = GreyFrames(recording, poses, result_.split.held_out);
     const WaterChoice water = ChooseWater(given, recording.info().water);
     Say(water.note);
     Say(TakeDisplay(recording.info().scale, given_));

@@ -114,16 +114,7 @@ calib::ModelChoice Choose(const RecordingSource& recording, const sim::Simulator
                           const FitRecordingOptions& options, const ParameterSet& initial,
                           bool by_background) {
   const auto read = [&](const std::vector<int>& indices) {
-    std::vector<calib::GreyFrame> frames;
-    frames.reserve(indices.size());
-    for (const int index : indices) {
-      frames.push_back({.index = index,
-                        .world_from_sonar = poses[index].world_from_sonar,
-                        .image = recording.ReadFrame(index).image,
-                        .use = ValidPixels(recording.info(), options.pixels),
-                        .pings = PosesOfPings(recording.info().sonar.pings, poses[index].motion)});
-    }
-    return frames;
+    return GreyFrames(recording, poses, indices, options.pixels);
   };
   calib::ModelChoiceOptions choice{.axes = options.choose, .fit = options.fit};
   if (options.on_note) choice.fit.progress = options.on_note;
@@ -184,7 +175,7 @@ std::vector<int> FramesOf(const calib::FrameSplit& split) {
 std::vector<double> EchoesExpected(const sim::Simulator& simulator, const ParameterSet& parameters,
                                    const Pose& world_from_sonar, const std::vector<PingPose>& pings) {
   const sim::AcousticGeometry geometry{simulator.sonar(), simulator.absorption_db_per_m()};
-  const Grid<double> echoes = GridByPing(world_from_sonar, pings, [&](const Pose& pose) {
+  const Grid<double> echoes = RenderByPing(world_from_sonar, pings, [&](const Pose& pose) {
     const sim::ScatterMap scatter =
         simulator.Scatter(simulator.TraceEchoes(pose), parameters, simulator.TraceGhosts(pose, parameters));
     return sim::EchoPowerImage(scatter, geometry, parameters);
@@ -197,22 +188,11 @@ std::vector<data_io::TimedPose> WithoutMotion(std::vector<data_io::TimedPose> po
   return poses;
 }
 
-// Frames with their poses and the motion of the recorded ones.
-std::vector<calib::GreyFrame> MovingFrames(const RecordingSource& recording, const std::vector<int>& indices,
-                                           const std::vector<data_io::TimedPose>& poses,
-                                           const std::vector<data_io::TimedPose>& recorded,
-                                           const std::optional<Mask>& pixels) {
-  std::vector<calib::GreyFrame> frames;
-  for (const int index : indices) {
-    std::vector<PingPose> pings = PosesOfPings(recording.info().sonar.pings, recorded[index].motion);
-    if (pings.empty()) continue;
-    frames.push_back({.index = index,
-                      .world_from_sonar = poses[index].world_from_sonar,
-                      .image = recording.ReadFrame(index).image,
-                      .use = ValidPixels(recording.info(), pixels),
-                      .pings = std::move(pings)});
-  }
-  return frames;
+// Poses with the motion of others.
+std::vector<data_io::TimedPose> WithMotionOf(const std::vector<data_io::TimedPose>& moving,
+                                             std::vector<data_io::TimedPose> poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].motion = moving[i].motion;
+  return poses;
 }
 
 }  // namespace
@@ -270,10 +250,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const std::vector<data_io::TimedPose> poses =
       options.pings == PingUse::kUse && initial.model == EchoModel::kAcoustic ? recorded_poses
                                                                               : WithoutMotion(recorded_poses);
-  const auto has_pings = [&](const data_io::TimedPose& pose) {
-    return !PosesOfPings(recording.info().sonar.pings, pose.motion).empty();
+  const auto pings_of = [&](const data_io::TimedPose& pose) {
+    return PosesOfPings(recording.info().sonar.pings, pose.motion);
   };
-  if (initial.model == EchoModel::kPaper && std::ranges::any_of(recorded_poses, has_pings))
+  const bool has_pings =
+      std::ranges::any_of(recorded_poses, [&](const auto& pose) { return !pings_of(pose).empty(); });
+  if (initial.model == EchoModel::kPaper && has_pings)
     say("the paper's model is fitted with one pose per frame: the poses of the pings are ignored");
   const calib::FrameSplit split = calib::SplitFrames(options.config, recording.frame_count());
   CheckSettings(recording, split);
@@ -330,9 +312,6 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
                       .judged_on_held_out = !split.held_out.empty(),
                       .before = {},
                       .after = {}};
-  const auto pings_of = [&](const data_io::TimedPose& pose) {
-    return PosesOfPings(recording.info().sonar.pings, pose.motion);
-  };
   // Makes the expected images of given parameters and poses.
   using Poses = std::vector<data_io::TimedPose>;
   std::function<RenderFrame(const sim::Simulator&, const ParameterSet&, const Poses&)> expected_by;
@@ -365,7 +344,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     }
     expected_by = [&](const sim::Simulator& with, const ParameterSet& parameters, const Poses& from) {
       return [&](int frame) {
-        return ImageByPing(from[frame].world_from_sonar, pings_of(from[frame]), [&](const Pose& pose) {
+        return RenderByPing(from[frame].world_from_sonar, pings_of(from[frame]), [&](const Pose& pose) {
           return with.RenderExpected(with.TraceEchoes(pose), parameters, with.TraceGhosts(pose, parameters));
         });
       };
@@ -428,10 +407,13 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     judge_pair.frames = EvenlySpread(judge.frames, kPairFrames);
     result.sample_pair = CompareRecordings(sample_by(*fitted_simulator, fitted, fitted_poses, 1),
                                            sample_by(*fitted_simulator, fitted, fitted_poses), judge_pair);
-    report.pings = calib::MeasurePingWorth(*fitted_simulator,
-                                           MovingFrames(recording, EvenlySpread(judge.frames, kMaxKeptFrames),
-                                                        fitted_poses, recorded_poses, options.pixels),
-                                           recording.info().sonar.pings, fitted, options.fit);
+    if (has_pings) {
+      report.pings =
+          calib::MeasurePingWorth(*fitted_simulator,
+                                  GreyFrames(recording, WithMotionOf(recorded_poses, fitted_poses),
+                                             EvenlySpread(judge.frames, kMaxKeptFrames), options.pixels),
+                                  recording.info().sonar.pings, fitted, options.fit);
+    }
     if (report.pings) {
       report.pings->used = options.pings == PingUse::kUse;
       report.pings->held_out = result.judged_on_held_out;

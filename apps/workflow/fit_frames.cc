@@ -82,6 +82,22 @@ std::vector<calib::AcousticFrame> AcousticFrames(const RecordingSource& recordin
   return frames;
 }
 
+std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording,
+                                         const std::vector<data_io::TimedPose>& poses,
+                                         const std::vector<int>& indices, const std::optional<Mask>& pixels) {
+  std::vector<calib::GreyFrame> frames;
+  frames.reserve(indices.size());
+  for (const int index : indices) {
+    const data_io::TimedPose& pose = poses.at(index);
+    frames.push_back({.index = index,
+                      .world_from_sonar = pose.world_from_sonar,
+                      .image = recording.ReadFrame(index).image,
+                      .use = ValidPixels(recording.info(), pixels),
+                      .pings = PosesOfPings(recording.info().sonar.pings, pose.motion)});
+  }
+  return frames;
+}
+
 PolarImage PaperImage(const sim::EchoHistogram& echoes, const sim::ImageGeometry& geometry,
                       const sim::PaperParameters<double>& parameters) {
   const std::vector<double> values = sim::ExpectedPaperImage(echoes, geometry, parameters);

@@ -2,11 +2,13 @@
 // callers that inspect a model without a fit.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "apps/workflow/fit.h"
 #include "calib/models/acoustic_frame_model.h"
 #include "calib/models/paper_frame_model.h"
+#include "calib/selection/held_out_likelihood.h"
 
 namespace sonarcal::workflow {
 
@@ -30,6 +32,13 @@ std::vector<calib::AcousticFrame> AcousticFrames(const RecordingSource& recordin
                                                  const std::vector<int>& indices,
                                                  const FitRecordingOptions& options,
                                                  const DisplayParameters<double>& display);
+
+// Returns the frames with these indices as recorded, for models of the acoustic kind. `poses` are those of
+// the whole recording. `pixels`: those that may count; absent: all.
+std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording,
+                                         const std::vector<data_io::TimedPose>& poses,
+                                         const std::vector<int>& indices,
+                                         const std::optional<Mask>& pixels = {});
 
 // Expected image of the paper's model, 0..1 of full scale.
 PolarImage PaperImage(const sim::EchoHistogram& echoes, const sim::ImageGeometry& geometry,

@@ -180,7 +180,7 @@ Frame SimulatedRecording::ReadFrame(int index) const {
   // Without noise, the images of the acoustic model are the expected ones, in one pass over the rays.
   if (expected_ && parameters_.model != EchoModel::kAcoustic) {
     const bool coherent = parameters_.model == EchoModel::kCoherent;
-    frame.image = ImageByPing(pose, pings, [&](const Pose& at) {
+    frame.image = RenderByPing(pose, pings, [&](const Pose& at) {
       return ExpectedFrame(simulator_, simulator_.TraceEchoes(at), parameters_,
                            coherent ? simulator_.TraceGhosts(at, parameters_) : sim::GhostList{});
     });

@@ -231,8 +231,8 @@ Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, con
 
 Grid<double> AcousticFrameModel::EchoPowerFrom(int frame, const Pose& world_from_sonar,
                                                const ParameterSet& parameters, const Rays& rays) const {
-  return GridByPing(world_from_sonar, frames_[frame].pings,
-                    [&](const Pose& pose) { return EchoPowerFrom(pose, parameters, rays); });
+  return RenderByPing(world_from_sonar, frames_[frame].pings,
+                      [&](const Pose& pose) { return EchoPowerFrom(pose, parameters, rays); });
 }
 
 PolarImage AcousticFrameModel::ExpectedPowerFrom(int frame, const Pose& world_from_sonar,
@@ -314,11 +314,7 @@ void AcousticFrameModel::AddSlopesOfMoves(const sim::Simulator& simulator, int f
   if (entries.empty()) return;
   std::vector<std::vector<float>> slopes(entries.size(), std::vector<float>(pixel_count(), 0.0F));
   const std::vector<PingPose>& pings = frames_[frame].pings;
-  if (pings.empty()) {
-    PingPose all{.frame_from_ping = {}, .beams = std::vector<int>(beams())};
-    std::iota(all.beams.begin(), all.beams.end(), 0);
-    AddSlopesOfPing(simulator, frame, all, values, entries, slopes);
-  }
+  if (pings.empty()) AddSlopesOfPing(simulator, frame, PingOfAllBeams(beams()), values, entries, slopes);
   for (const PingPose& ping : pings) AddSlopesOfPing(simulator, frame, ping, values, entries, slopes);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const CatalogEntry& entry = catalog_[entries[i]];

@@ -37,10 +37,9 @@ struct NoiseSolution {
   bool looks_at_bound = false;
 };
 
-// Least number of looks. Below 1, the K law has a texture of shape down to 0.1.
+// Least number of looks that a fit may find: fewer than one is texture, which only the K law has.
 inline double MinNoiseLooks(sim::SpeckleLaw law) {
-  constexpr double kTextured = 0.05;
-  return law == sim::SpeckleLaw::kK ? kTextured : 1.0;
+  return law == sim::SpeckleLaw::kK ? sim::kLeastTexturedLooks : 1.0;
 }
 inline constexpr double kMaxNoiseLooks = 100.0;
 inline constexpr double kLeastSpanDb = 5.0;

@@ -13,17 +13,17 @@ struct TargetLevel {
 };
 
 struct DisplaySlope {
-  double db_per_shown_db = 1.0;  // by which the span of the display is to be multiplied
+  double db_per_shown_db = 1.0;  // factor for the span of the display
   double sigma = 0.0;
 
   // Whether a display that is true is within two standard errors.
   bool AgreesWithDisplay() const { return std::abs(db_per_shown_db - 1.0) <= 2.0 * sigma; }
 };
 
-// If the display is true, both targets give the same source level plus gain. Otherwise that differs by a
-// share of the difference of the shown levels, and this share is missing in the span. Takes the errors of
-// both levels as independent. Throws DataError if the shown levels differ by less than 3 dB, or if the weaker
-// one is shown as the stronger.
+// If the display is true, both targets give the same source level plus gain. If its span must be multiplied
+// by a factor k, the two differ by 1 - k times the difference of the shown levels. Takes the errors of both
+// levels as independent. Throws DataError if the shown levels differ by less than 3 dB, or if the weaker
+// target is shown as the stronger.
 DisplaySlope SlopeOfTwoTargets(const TargetLevel& one, const TargetLevel& other);
 
 }  // namespace sonarcal::calib

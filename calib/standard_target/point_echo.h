@@ -5,8 +5,8 @@
 //
 // with L the level of the target at 1 m (source level, gain and target strength together), s_b the
 // sensitivity of the beam, and the responses of sim/physics/beam_pattern.h. Values of one frame: range R,
-// azimuth theta, noise n, and d, by which its level differs from that of all frames. X is what the
-// recording's gain with range lacks.
+// azimuth theta, noise n, and d, by which its level differs from that of all frames. X is the
+// part of the gain with range that the law TVG does not have.
 #pragma once
 
 #include <vector>

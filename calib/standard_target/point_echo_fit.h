@@ -35,8 +35,8 @@ struct PointEchoData {
   std::vector<double> sensitivity_db;  // of each beam of the sonar, if none is free; empty: 0
   double cell_pixels = 1.0;            // pixels of a resolution cell
   // Standard deviation of each pixel beyond noise, as a share of the largest expected power of its window. A
-  // fit far from the optimum begins with a large share: else its side lobes may settle on others than those
-  // recorded.
+  // fit far from the optimum begins with a large share. Otherwise it may end at a local optimum with wrong
+  // side lobes.
   double shape_error = 0.0;
 };
 

@@ -76,7 +76,7 @@ class StandardTargetFitter {
     state_.solution.echo.log_pulse = std::log(found.range_extent_m);
     state_.solution.echo.log_azimuth_width = std::log(found.azimuth_extent_rad);
     state_.solution.echo.azimuth_taper = 0.5;
-    constexpr double kUnknownElevationWidthDeg = 14.0;
+    constexpr double kUnknownElevationWidthDeg = 20.0;  // start only
     const double elevation_width_deg = sim::ElevationWidthDeg(sonar_, initial_.beam);
     state_.solution.echo.log_elevation_width =
         std::log(RadFromDeg(elevation_width_deg > 0.0 ? elevation_width_deg : kUnknownElevationWidthDeg));

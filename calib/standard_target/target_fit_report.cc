@@ -70,10 +70,10 @@ void FillSentences(const FittedPointEcho& state, StandardTargetFit& fit) {
   report.gauge.emplace_back(
       "receiver.gain_db as given: a target shows source level and gain only as their sum");
   if (!fit.position) {
-    report.gauge.push_back(
-        fmt::format("the sphere is taken to be on the axis in elevation, because {}: the level is too low by "
-                    "what the elevation response lacks where it was",
-                    fit.elevation_unknown));
+    report.gauge.push_back(fmt::format(
+        "the sphere is taken to be on the axis in elevation, because {}; if it was not, the level is "
+        "too low by the elevation response there",
+        fit.elevation_unknown));
   }
   if (state.data.groups == 0)
     report.gauge.emplace_back(
@@ -83,9 +83,9 @@ void FillSentences(const FittedPointEcho& state, StandardTargetFit& fit) {
         fmt::format("gain with range {} as given: the ranges of the sphere differ by less than a quarter",
                     ToString(state.data.setting.time_varied_gain)));
   } else if (!state.free.range_slope) {
-    report.gauge.push_back(fmt::format(
-        "gain with range {}: what it lacks was found to be {:.1f} +- {:.1f} dB per decade of range",
-        ToString(state.data.setting.time_varied_gain), state.slope_db, state.slope_sigma_db));
+    report.gauge.push_back(
+        fmt::format("gain with range {}: with it, levels change by {:.1f} +- {:.1f} dB per decade of range",
+                    ToString(state.data.setting.time_varied_gain), state.slope_db, state.slope_sigma_db));
   }
   if (fit.strength.doubtful) {
     report.warnings.push_back(

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -20,7 +21,7 @@ class Locator {
   Locator(const std::vector<TargetSight>& sights, const SightTolerance& tolerance)
       : sights_(sights), tolerance_(tolerance) {}
 
-  // Position of the lowest cost among those that fits from every start reach.
+  // Refines positions at several elevations of several sights, and returns the one of the lowest cost.
   Eigen::Vector3d Search() const {
     constexpr double kStepRad = 0.1;
     constexpr int kSteps = 4;  // on either side of the image plane
@@ -41,22 +42,25 @@ class Locator {
     return best;
   }
 
-  // Least squares of the sights that agree; absent if too few do.
-  std::optional<TargetPosition> Refined(Eigen::Vector3d position_m) const {
+  std::vector<TargetSight> AgreeingWith(const Eigen::Vector3d& position_m) const {
     std::vector<TargetSight> agreeing;
-    for (const TargetSight& sight : sights_) {
-      if (ErrorOf(sight, position_m).squaredNorm() <= 1.0) agreeing.push_back(sight);
-    }
-    if (agreeing.size() < 3 || 2 * agreeing.size() < sights_.size()) return {};
+    std::ranges::copy_if(sights_, std::back_inserter(agreeing),
+                         [&](const TargetSight& sight) { return Agrees(sight, position_m); });
+    return agreeing;
+  }
+
+  // Least squares among `agreeing`, from a start; absent if these do not determine the position.
+  std::optional<TargetPosition> Refined(const std::vector<TargetSight>& agreeing,
+                                        const Eigen::Vector3d& start_m) const {
     const Locator among_them(agreeing, tolerance_);
-    position_m = among_them.Refine(position_m);
+    const Eigen::Vector3d position_m = among_them.Refine(start_m);
     if (!among_them.Determines(position_m)) return {};
     TargetPosition result{.position_m = position_m};
     double count = 0.0;
     for (const TargetSight& sight : sights_) {
-      const Eigen::Vector2d error = ErrorOf(sight, position_m);
-      result.agrees.push_back(error.squaredNorm() <= 1.0);
+      result.agrees.push_back(Agrees(sight, position_m));
       if (result.agrees.back()) {
+        const Eigen::Vector2d error = ErrorOf(sight, position_m);
         result.range_error_m += error(0) * error(0);
         result.azimuth_error_rad += error(1) * error(1);
         count += 1.0;
@@ -67,12 +71,6 @@ class Locator {
     result.range_error_m = tolerance_.range_m * std::sqrt(result.range_error_m / count);
     result.azimuth_error_rad = tolerance_.azimuth_rad * std::sqrt(result.azimuth_error_rad / count);
     return result;
-  }
-
-  std::size_t AgreeingWith(const Eigen::Vector3d& position_m) const {
-    return static_cast<std::size_t>(std::count_if(
-        sights_.begin(), sights_.end(),
-        [&](const TargetSight& sight) { return ErrorOf(sight, position_m).squaredNorm() <= 1.0; }));
   }
 
  private:
@@ -96,6 +94,10 @@ class Locator {
     return {(at.norm() - sight.range_m) / tolerance_.range_m,
             std::remainder(std::atan2(at.x(), at.y()) - sight.azimuth_rad, 2.0 * std::numbers::pi) /
                 tolerance_.azimuth_rad};
+  }
+
+  bool Agrees(const TargetSight& sight, const Eigen::Vector3d& position_m) const {
+    return ErrorOf(sight, position_m).squaredNorm() <= 1.0;
   }
 
   // Cauchy's loss: a sight that does not agree pulls little.
@@ -161,15 +163,15 @@ TargetLocation LocateTarget(const std::vector<TargetSight>& sights, const SightT
     return {{}, fmt::format("{} frames with a pose show the sphere, expected 3", sights.size())};
   const Locator locator(sights, tolerance);
   const Eigen::Vector3d position_m = locator.Search();
-  const std::size_t agreeing = locator.AgreeingWith(position_m);
-  if (agreeing < 3 || 2 * agreeing < sights.size()) {
+  const std::vector<TargetSight> agreeing = locator.AgreeingWith(position_m);
+  if (agreeing.size() < 3 || 2 * agreeing.size() < sights.size()) {
     return {{},
             fmt::format(
                 "the poses of only {} of {} frames agree with a sphere that stands still, within {:.3f} m "
                 "and {:.2f} degrees",
-                agreeing, sights.size(), tolerance.range_m, DegFromRad(tolerance.azimuth_rad))};
+                agreeing.size(), sights.size(), tolerance.range_m, DegFromRad(tolerance.azimuth_rad))};
   }
-  std::optional<TargetPosition> position = locator.Refined(position_m);
+  std::optional<TargetPosition> position = locator.Refined(agreeing, position_m);
   if (!position)
     return {
         {},

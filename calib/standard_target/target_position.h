@@ -16,8 +16,7 @@ struct TargetSight {
   double azimuth_rad = 0.0;
 };
 
-// How far a sight may lie from what a target that stands still shows. Larger errors are those of another
-// object.
+// Largest error of a sight of the target. A sight with a larger error shows another object.
 struct SightTolerance {
   double range_m = 0.0;
   double azimuth_rad = 0.0;
@@ -36,10 +35,11 @@ struct TargetLocation {
   std::string why_not = {};  // if there is no position
 };
 
-// The position that most sights agree with, by least squares among these. Not found if fewer than three
-// sights or less than half of them agree, or if the poses leave the position open: the standard error of an
-// elevation would exceed a degree. The standard error is that of the errors left, and of at least a tenth of
-// the tolerance.
+// Finds the position that most sights agree with, by least squares among these. There is none in two cases:
+//
+// - Fewer than three sights agree, or less than half of them.
+// - The poses do not determine it: the standard error of an elevation would exceed a degree. Errors are taken
+//   as those that remain, and as at least a tenth of the tolerance.
 TargetLocation LocateTarget(const std::vector<TargetSight>& sights, const SightTolerance& tolerance);
 
 }  // namespace sonarcal::calib

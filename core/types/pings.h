@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -78,7 +79,14 @@ inline std::vector<PingPose> PosesOfPings(const PingPattern& pings, const std::o
   return poses;
 }
 
-// Copies beams from one image to another of the same size.
+// Ping that receives all beams at the pose of the frame.
+inline PingPose PingOfAllBeams(int beams) {
+  PingPose ping{.frame_from_ping = {}, .beams = std::vector<int>(beams)};
+  std::iota(ping.beams.begin(), ping.beams.end(), 0);
+  return ping;
+}
+
+// Copy beams from one image to another of the same size.
 template <typename T>
 void CopyBeams(const std::vector<int>& beams, const Grid<T>& from, Grid<T>& to) {
   SONARCAL_CHECK(from.rows() == to.rows() && from.cols() == to.cols(), "images of {} x {} and {} x {}",
@@ -87,26 +95,18 @@ void CopyBeams(const std::vector<int>& beams, const Grid<T>& from, Grid<T>& to) 
     for (const int beam : beams) to(row, beam) = from(row, beam);
   }
 }
-
-// Image whose beams have the poses of their pings. `render(pose)` makes the grid of values of all beams at a
-// pose. `pings`: as PosesOfPings returns them; empty: one image at the pose of the frame.
-template <typename Render>
-auto GridByPing(const Pose& world_from_sonar, const std::vector<PingPose>& pings, const Render& render) {
-  if (pings.empty()) return render(world_from_sonar);
-  auto grid = render(world_from_sonar * pings.front().frame_from_ping);
-  for (std::size_t ping = 1; ping < pings.size(); ++ping)
-    CopyBeams(pings[ping].beams, render(world_from_sonar * pings[ping].frame_from_ping), grid);
-  return grid;
+inline void CopyBeams(const std::vector<int>& beams, const PolarImage& from, PolarImage& to) {
+  CopyBeams(beams, from.value, to.value);
 }
 
-// As above, for images with axes and scale.
+// Image whose beams have the poses of their pings. `render(pose)` makes the image of all beams at a pose: a
+// grid or a PolarImage. `pings`: as PosesOfPings returns them; empty: one image at the pose of the frame.
 template <typename Render>
-PolarImage ImageByPing(const Pose& world_from_sonar, const std::vector<PingPose>& pings,
-                       const Render& render) {
+auto RenderByPing(const Pose& world_from_sonar, const std::vector<PingPose>& pings, const Render& render) {
   if (pings.empty()) return render(world_from_sonar);
-  PolarImage image = render(world_from_sonar * pings.front().frame_from_ping);
+  auto image = render(world_from_sonar * pings.front().frame_from_ping);
   for (std::size_t ping = 1; ping < pings.size(); ++ping)
-    CopyBeams(pings[ping].beams, render(world_from_sonar * pings[ping].frame_from_ping).value, image.value);
+    CopyBeams(pings[ping].beams, render(world_from_sonar * pings[ping].frame_from_ping), image);
   return image;
 }
 

@@ -399,12 +399,7 @@ PolarImage SampleAcousticImage(const ScatterMap& scatter, const AcousticGeometry
                                const ParameterSet& parameters, double full_scale, const DrawSeeds& seeds,
                                const Pose& drawn_from_sonar) {
   using Complex = std::complex<double>;
-  if (!(parameters.receiver.looks >= 1.0)) {
-    throw DataError(
-        "receiver.looks {}: a speckled image needs at least one look, and texture (fewer looks) is not "
-        "simulated",
-        parameters.receiver.looks);
-  }
+  CheckLooksToDraw(parameters.receiver.looks);
   const auto [whole_looks, last_weight] = LooksAsWeights(parameters.receiver.looks);
   const FieldResponses responses(geometry, parameters, scatter);
   std::optional<PatchesInWorld> patches;

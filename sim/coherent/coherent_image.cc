@@ -8,7 +8,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <numeric>
 #include <span>
 
 #include "core/math/random.h"
@@ -311,20 +310,14 @@ double AzimuthWidthRad(const SonarModel& sonar, const ParameterSet& parameters) 
 
 PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                          const ParameterSet& parameters, const DrawSeeds& seeds) {
-  PingPose all{.frame_from_ping = {}, .beams = std::vector<int>(geometry.sonar.axes.beam_count())};
-  std::iota(all.beams.begin(), all.beams.end(), 0);
-  return CoherentPower(geometry, world_from_sonar, {all}, parameters, seeds);
+  return CoherentPower(geometry, world_from_sonar, {PingOfAllBeams(geometry.sonar.axes.beam_count())},
+                       parameters, seeds);
 }
 
 PolarImage CoherentPower(const CoherentGeometry& geometry, const Pose& world_from_sonar,
                          const std::vector<PingPose>& pings, const ParameterSet& parameters,
                          const DrawSeeds& seeds) {
-  if (!(parameters.receiver.looks >= 1.0)) {
-    throw DataError(
-        "receiver.looks {}: a speckled image needs at least one look, and texture (fewer looks) is not "
-        "simulated",
-        parameters.receiver.looks);
-  }
+  CheckLooksToDraw(parameters.receiver.looks);
   const PolarAxes& axes = geometry.sonar.axes;
   const LineArray array =
       MakeLineArray(AzimuthWidthRad(geometry.sonar, parameters), parameters.beam.azimuth_taper);

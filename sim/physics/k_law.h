@@ -3,17 +3,21 @@
 //
 //   P(x > t) = 2 (nu t)^(nu / 2) K_nu(2 sqrt(nu t)) / Gamma(nu)
 //
-// nu = 2 looks / (1 - looks), 0.05 <= looks < 1: the variance is that of `looks` looks. Above shape 50 it is
-// the mixture of that shape and of no texture which has the right variance; so it goes over to the
-// exponential law at one look.
+// The variance is that of `looks` looks if nu = 2 looks / (1 - looks). Above shape 50 the law is a mixture of
+// shape 50 and of no texture with this variance. So there is no step where looks = 1 and the law is
+// exponential.
 #pragma once
 
 namespace sonarcal::sim {
 
-// P(x > ratio), ratio > 0.
+inline constexpr double kLeastTexturedLooks = 0.05;  // shape 0.1
+
+// Both functions: kLeastTexturedLooks <= looks < 1, ratio > 0.
+
+// P(x > ratio).
 double KLawSurvival(double looks, double ratio);
 
-// Density of x at ratio > 0.
+// Density of x at `ratio`.
 double KLawDensity(double looks, double ratio);
 
 }  // namespace sonarcal::sim

@@ -99,6 +99,16 @@ inline double MeanLogSpeckleDb(double looks) {
   return kDbPerNeper * (Eigen::numext::digamma(looks) - std::log(looks));
 }
 
+// Throws DataError for a number of looks of which no speckled image can be drawn.
+inline void CheckLooksToDraw(double looks) {
+  if (!(looks >= 1.0)) {
+    throw DataError(
+        "receiver.looks {}: a speckled image needs at least one look, and texture (fewer looks) is not "
+        "simulated",
+        looks);
+  }
+}
+
 // Weights of an average of floor(L) looks and one more of weight w in [0, 1) that has the variance of L
 // looks: (n + w)^2 / (n + w^2) = L with n = floor(L). Returns (n, w). looks >= 1.
 inline std::pair<int, double> LooksAsWeights(double looks) {

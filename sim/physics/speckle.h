@@ -6,10 +6,7 @@
 //   kWeighted  Average of unequal looks with the weights of `LooksAsWeights`, as in `SampleAcousticImage`.
 //              Closed form for 1 <= L <= 2:
 //              F(x) = 1 - (exp(-y) - w exp(-y / w)) / (1 - w), y = (1 + w) x; Gamma beyond.
-//   kK         Reverberation with texture: one look whose mean power is itself Gamma distributed, with shape
-//              nu = 2 L / (1 - L), for 0 < L < 1:
-//              F(x) = 1 - 2 (nu x)^(nu / 2) K_nu(2 sqrt(nu x)) / Gamma(nu) (Jakeman and Pusey 1976); Gamma
-//              from L = 1 on.
+//   kK         Reverberation with texture: the K law of k_law.h for L < 1; Gamma from L = 1 on.
 //
 // Display: v increases with power, so P(displayed <= v) = F(PowerFromDisplay(v) / P). The mean displayed
 // value, clipped to 0..1, is the integral of 1 - P(displayed <= v) over 0..1.
@@ -35,7 +32,7 @@ constexpr auto WordsOf(std::type_identity<SpeckleLaw>) {
       {{"gamma", SpeckleLaw::kGamma}, {"weighted", SpeckleLaw::kWeighted}, {"k", SpeckleLaw::kK}}};
 }
 
-// P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1; kK: >= 0.05).
+// P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1; kK: >= kLeastTexturedLooks).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   if (!(ratio > 0.0)) return 0.0;
   if (!(ratio < 1e300)) return 1.0;

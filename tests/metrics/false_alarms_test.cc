@@ -46,7 +46,7 @@ FalseAlarmRate RateOf(const std::vector<FalseAlarmRate>& rates, SegmentationMeth
   return *found;
 }
 
-// Of 192,000 pixels, five standard deviations of independent pixels.
+// The tolerance is five standard errors of a share of 192,000 independent pixels.
 TEST(FalseAlarmsTest, StatedRatesAreRealisedWhereTheLawHolds) {
   FalseAlarmCounter counter(WithLaw(), {0.1, 0.01});
   for (int i = 0; i < 10; ++i) counter.Add(Ping(i + 1), nullptr);

@@ -230,7 +230,7 @@ TEST_F(Pings, MeanOfCoherentFramesIsTheExpectedFrame) {
   parameters.beam.azimuth_pattern = AzimuthPattern::kAperture;
   const std::unique_ptr<Simulator> simulator = Simulate(Floor(), /*noise=*/true);
   const AcousticGeometry geometry{sonar_, simulator->absorption_db_per_m()};
-  const Grid<double> expected = GridByPing(pose_, pings, [&](const Pose& pose) {
+  const Grid<double> expected = RenderByPing(pose_, pings, [&](const Pose& pose) {
     return EchoPowerImage(simulator->Scatter(simulator->TraceEchoes(pose), parameters), geometry, parameters);
   });
   Grid<double> sum(kBins, kBeams);

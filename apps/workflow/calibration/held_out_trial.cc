@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/workflow/fit_frames.h"
 #include "calib/models/blocked_frames.h"
 #include "core/types/error.h"
 #include "data_io/pose_io.h"
@@ -9,17 +10,7 @@
 namespace sonarcal::workflow {
 
 std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording, const std::vector<int>& indices) {
-  const std::vector<data_io::TimedPose> poses = data_io::PosesOfRecording(recording);
-  std::vector<calib::GreyFrame> frames;
-  frames.reserve(indices.size());
-  for (const int index : indices) {
-    frames.push_back({.index = index,
-                      .world_from_sonar = poses.at(index).world_from_sonar,
-                      .image = recording.ReadFrame(index).image,
-                      .use = ValidPixels(recording.info()),
-                      .pings = PosesOfPings(recording.info().sonar.pings, poses.at(index).motion)});
-  }
-  return frames;
+  return GreyFrames(recording, data_io::PosesOfRecording(recording), indices);
 }
 
 void StartAt(const calib::FitReport& found, calib::FitConfig& config) {

@@ -13,7 +13,7 @@
 
 namespace sonarcal::workflow {
 
-// Frames of a recording with grey levels and poses.
+// Frames of a recording with its own poses.
 std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording, const std::vector<int>& indices);
 
 struct Trial {

@@ -70,10 +70,10 @@ TEST(Pings, BeamsComeFromTheImageOfTheirPing) {
   const auto at_pose = [](const Pose& pose) {
     return Grid<float>(2, 7, static_cast<float>(pose.position_m.x()));
   };
-  const Grid<float> image = GridByPing(Pose(), pings, at_pose);
+  const Grid<float> image = RenderByPing(Pose(), pings, at_pose);
   for (int beam = 0; beam < 7; ++beam)
     EXPECT_FLOAT_EQ(image(1, beam), static_cast<float>(0.5 * (-0.005 + 0.01 * (beam % 3)))) << beam;
-  EXPECT_EQ(GridByPing(Pose(), {}, at_pose), at_pose(Pose()));
+  EXPECT_EQ(RenderByPing(Pose(), {}, at_pose), at_pose(Pose()));
   Grid<float> other(3, 7);
   EXPECT_THROW(CopyBeams({0}, image, other), std::logic_error);
 }
