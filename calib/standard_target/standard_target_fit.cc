@@ -279,7 +279,7 @@ class StandardTargetFitter {
           state_.slope_db, state_.slope_sigma_db, ToString(given), setting_.reference_range_m,
           !fit_.position  ? "the elevation is not known, and may cause it"
           : words.empty() ? "no known law explains it"
-                          : fmt::format("these laws would: {}", fmt::join(words, ", "))));
+                          : fmt::format("several laws explain it: {}", fmt::join(words, ", "))));
       return;
     }
     state_.free.range_slope = false;
