@@ -38,6 +38,11 @@ constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 // search ends about a third of a standard error from the best values.
 constexpr double kLeastGain = 0.1;
 
+// Scan of a width: factor of a step, max number of steps, and pixels of all frames together.
+constexpr double kScanFactor = 1.5;
+constexpr int kScanSteps = 6;
+constexpr std::size_t kScanPixels = 200'000;
+
 // Reach of the last solve for poses that joint steps have settled, as a fraction of the reach of a round.
 constexpr double kHeld = 0.02;
 
@@ -128,6 +133,7 @@ class AcousticFitter {
     const auto began = std::chrono::steady_clock::now();
     ShareRepeats();
     FitRadiometryFirst();
+    ScanWidths();
     RefinePosesWithRadiometry();
     FitGeometry();
     GoToBetterPoses();
@@ -152,7 +158,7 @@ class AcousticFitter {
     if (!fit_.usable) return;
     FitOptions options = again_;
     options.rough = rough;
-    if (rough) {
+    if (rough || !options.standard_errors) {
       fit_ = Fit(*model_, fit_.values, near_, options);
     } else {
       const OtherRays others(*this, fit_.values, geometric_);
@@ -264,6 +270,44 @@ class AcousticFitter {
     iterations_ += fit_.report.iterations;
     start_costs_ = fit_.report.start_costs;
     cost_initial_ = fit_.report.cost_initial;
+  }
+
+  // Moves widths of beam and pulse in large steps, each followed by a fit of the radiometry to blocks of
+  // pixels. Rounds reach only a fifth farther each, and cost more.
+  void ScanWidths() {
+    if (!poses_.empty() || radiometric_.empty() || options_.near_start || !fit_.usable) return;
+    for (const int entry : geometric_) {
+      for (const double factor : {kScanFactor, 1.0 / kScanFactor}) {
+        const int steps = ScanWidth(entry, factor);
+        if (steps > 0) break;
+      }
+    }
+  }
+
+  // Returns the number of steps that lowered the cost.
+  int ScanWidth(int entry, double factor) {
+    ModelFit best = FitOnBlocksWith(entry, fit_.values[entry]);
+    for (int step = 0; step < kScanSteps; ++step) {
+      const double value =
+          std::clamp(factor * best.values[entry], catalog_[entry].lower, catalog_[entry].upper);
+      if (value == best.values[entry] || !best.usable) return step;
+      Say(fmt::format("trying {} = {:.3g}", catalog_[entry].name, value));
+      ModelFit next = FitOnBlocksWith(entry, value);
+      if (!next.usable || next.report.cost_final > best.report.cost_final - NoiseOfCost()) return step;
+      best = std::move(next);
+      fit_.values = best.values;
+    }
+    return kScanSteps;
+  }
+
+  ModelFit FitOnBlocksWith(int entry, double value) const {
+    ParameterValues values = fit_.values;
+    values[entry] = value;
+    FitOptions rough = again_;
+    rough.progress = {};
+    const auto coarse = model_->CoarseAbout(values, kScanPixels);
+    if (coarse == nullptr) return {.values = values, .report = {}, .usable = false};
+    return Fit(*coarse, values, RadiometryOnly(), rough);
   }
 
   // Fits curves and receiver to blocks of pixels, which suffice while poses are not right.

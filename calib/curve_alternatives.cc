@@ -15,7 +15,6 @@
 #include "calib/fit_starts.h"
 #include "calib/models/one_curve_model.h"
 #include "calib/solve.h"
-#include "sim/physics/gsab.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -63,18 +62,6 @@ std::vector<Curve> Exchanged(const Curve& curve) {
       {kWeak * a, 0.5 * b, c, d, a, b},
       {e, f, c, d, kWeak * e, 2.0 * f},
   };
-}
-
-double PowerOf(const Curve& c, double incidence_deg) {
-  return sim::GsabPower(GsabParameters<double>{c[0], c[1], c[2], c[3], c[4], c[5]}, incidence_deg);
-}
-
-// The second curve with the level of the first at oblique incidence.
-Curve AtLevelOf(const Curve& level, Curve curve) {
-  constexpr double kObliqueDeg = 30.0;
-  const double factor = PowerOf(level, kObliqueDeg) / PowerOf(curve, kObliqueDeg);
-  for (const int amplitude : {0, 2, 4}) curve[amplitude] *= factor;
-  return curve;
 }
 
 struct Optimum {
@@ -152,9 +139,7 @@ class Search {
     FitState state{.active = active, .values = start};
     double cost = 0.0;
     if (!active.empty()) {
-      const double about = std::max(1.0, CostAt(*model_, start, model_->frame_count()));
-      const SolveLimits limits{.function_tolerance = std::min(1e-4, kCostTolerance / about),
-                               .max_iterations = max_iterations};
+      const SolveLimits limits{.least_fall = kCostTolerance, .max_iterations = max_iterations};
       if (guide_ != nullptr) SolveFit(*guide_, catalog_, limits, stop_, state);
       const SolveSummary summary = SolveFit(*model_, catalog_, limits, stop_, state);
       if (!summary.usable) return std::nullopt;

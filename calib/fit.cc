@@ -25,7 +25,7 @@ namespace {
 constexpr double kRoughTolerance = 1e-5;
 constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to distinguish valleys
-constexpr double kLikelihoodTolerance = 1e-2;
+constexpr double kNegligibleNats = 1e-2;               // of log-likelihood, per speckle cell
 
 // Max number of moves to a better curve.
 constexpr int kMovesToBetter = 2;
@@ -70,14 +70,14 @@ class Fitter {
         report_.termination = "the frames determine none of the free parameters";
         break;
       }
-      usable = Solve(model_, Tolerance(), options_.max_iterations);
+      usable = Solve(model_, Limits());
       if (!usable) break;
       // With priors the two orders differ in cost: the exchanged values are a start, not a result.
       const bool exchanged = OrderGaussians(catalog_, Free(), state_.values);
-      if (exchanged && model_.IsLikelihood()) usable = Solve(model_, Tolerance(), options_.max_iterations);
+      if (exchanged && model_.IsLikelihood()) usable = Solve(model_, Limits());
       if (!usable) break;
       if (model_.IsLikelihood()) {
-        FlagWhatPriorsDecide();
+        if (options_.standard_errors) FlagWhatPriorsDecide();
         break;
       }
       if (!FreezeUndetermined()) break;
@@ -154,14 +154,18 @@ class Fitter {
     double best_cost = std::numeric_limits<double>::infinity();
     Activate();
     if (state_.active.empty()) return;
-    // A rough fit continues from the last values. Blocks of pixels would lead away from them.
-    const std::unique_ptr<FrameModel> coarse = options_.rough ? nullptr : model_.Coarse(kStartPixels);
+    // A rough fit with one start continues from the last values. Blocks of pixels would lead away from them.
+    const bool continues = options_.rough && options_.starts == 1;
+    const std::unique_ptr<FrameModel> coarse = continues ? nullptr : model_.Coarse(kStartPixels);
     const FrameModel& model = coarse != nullptr ? *coarse : model_;
+    const SolveLimits rough{.function_tolerance = kRoughTolerance,
+                            .max_iterations = std::min(kRoughIterations, options_.max_iterations)};
     for (int start = 0; start < options_.starts; ++start) {
       if (options_.starts > 1) Say(fmt::format("start {} of {}", start + 1, options_.starts));
-      state_.values = start == 0 ? given : WithCurveShape(catalog_, Free(), given, start);
+      // Other shapes have the level that the first fit found.
+      state_.values = start == 0 ? given : WithCurveShape(catalog_, Free(), given, best, start);
       if (options_.search_level) state_.values = SearchLevel(model, catalog_, Free(), state_.values);
-      if (!Solve(model, kRoughTolerance, std::min(kRoughIterations, options_.max_iterations))) continue;
+      if (!Solve(model, rough)) continue;
       report_.start_costs.push_back(report_.cost_final);
       if (report_.cost_final < best_cost) {
         best_cost = report_.cost_final;
@@ -173,20 +177,17 @@ class Fitter {
 
   double PixelsPerCell() const { return model_.speckle_cell().bins * model_.speckle_cell().beams; }
 
-  // A hundredth of a nat of log-likelihood per speckle cell is negligible.
-  double Tolerance() const {
-    if (!model_.IsLikelihood()) return options_.function_tolerance;
-    const double cost = CostAt(model_, state_.values, model_.frame_count());
-    return cost > 0.0 ? std::max(options_.function_tolerance, kLikelihoodTolerance * PixelsPerCell() / cost)
-                      : options_.function_tolerance;
+  // Limits of a solve to the end.
+  SolveLimits Limits() const {
+    return {.function_tolerance = options_.function_tolerance,
+            .least_fall = model_.IsLikelihood() ? kNegligibleNats * PixelsPerCell() : 0.0,
+            .max_iterations = options_.max_iterations};
   }
 
-  bool Solve(const FrameModel& model, double function_tolerance, int max_iterations) {
+  bool Solve(const FrameModel& model, const SolveLimits& limits) {
     Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), model_.frame_count(),
                     model_.frame_count() == 1 ? "" : "s"));
-    SolveSummary summary = SolveFit(
-        model, catalog_, {.function_tolerance = function_tolerance, .max_iterations = max_iterations},
-        options_.stop, state_);
+    SolveSummary summary = SolveFit(model, catalog_, limits, options_.stop, state_);
     report_.iterations += summary.iterations;
     report_.termination = std::move(summary.termination);
     if (summary.usable) report_.cost_final = summary.cost;
@@ -248,7 +249,7 @@ class Fitter {
     const std::string termination = report_.termination;
     for (const ParameterValues& start : starts) {
       state_.values = start;
-      if (Solve(model_, Tolerance(), options_.max_iterations) &&
+      if (Solve(model_, Limits()) &&
           report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) {
         OrderGaussians(catalog_, Free(), state_.values);
         return true;

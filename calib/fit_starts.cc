@@ -5,6 +5,7 @@
 
 #include "calib/problem_builder.h"
 #include "core/types/units.h"
+#include "sim/physics/gsab.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -70,14 +71,30 @@ std::array<double, 6> StartCurve(int shape) {
   return kStartShapes[(shape - 1) % kStartShapes.size()];
 }
 
+std::array<double, 6> AtLevelOf(const std::array<double, 6>& level, std::array<double, 6> curve) {
+  constexpr double kObliqueDeg = 30.0;
+  const auto power_of = [](const std::array<double, 6>& c) {
+    return sim::GsabPower(GsabParameters<double>{c[0], c[1], c[2], c[3], c[4], c[5]}, kObliqueDeg);
+  };
+  const double factor = power_of(level) / power_of(curve);
+  for (const int amplitude : {0, 2, 4}) curve[amplitude] *= factor;
+  return curve;
+}
+
 ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
-                               const ParameterValues& start, int shape_number) {
-  const std::array<double, 6> of = StartCurve(shape_number);
+                               const ParameterValues& start, const ParameterValues& level,
+                               int shape_number) {
   ParameterValues values = start;
+  std::array<double, 6> curve{};
   for (std::size_t i = 0; i < catalog.size(); ++i) {
     const CatalogEntry& entry = catalog[i];
-    if (entry.group != ParameterGroup::kGsab || !free[i]) continue;
-    values[i] = std::clamp(of[entry.index], entry.lower, entry.upper);
+    if (entry.group != ParameterGroup::kGsab) continue;
+    if (entry.index == 0) {
+      std::array<double, 6> of_level{};
+      std::copy_n(level.begin() + static_cast<std::ptrdiff_t>(i), of_level.size(), of_level.begin());
+      curve = AtLevelOf(of_level, StartCurve(shape_number));
+    }
+    if (free[i]) values[i] = std::clamp(curve[entry.index], entry.lower, entry.upper);
   }
   return values;
 }

@@ -22,9 +22,13 @@ ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEn
 inline constexpr int kStartShapeCount = 3;
 std::array<double, 6> StartCurve(int shape);
 
-// Returns the values with the curve `shape` (see StartCurve) for all free materials.
+// Returns a curve with the level of another one at oblique incidence. Both are A, B, C, D, E and F.
+std::array<double, 6> AtLevelOf(const std::array<double, 6>& level, std::array<double, 6> curve);
+
+// Returns `start` with the curve `shape` (see StartCurve) for all free materials, at the levels that their
+// curves have in `level`.
 ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
-                               const ParameterValues& start, int shape);
+                               const ParameterValues& start, const ParameterValues& level, int shape);
 
 // Moves values outside their bounds to the bounds.
 void MoveInsideBounds(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,

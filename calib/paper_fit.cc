@@ -90,7 +90,9 @@ class PaperFitter {
       if (options_.starts > 1) Say(fmt::format("start {} of {}", start + 1, options_.starts));
       FitOptions search = Again(/*rough=*/true);
       search.search_level = options_.search_level;
-      last_ = Fit(model, start == 0 ? given_ : WithCurveShape(catalog, free, given_, start), config, search);
+      const ParameterValues& level = ends_.empty() ? given_ : ends_.front().values;
+      last_ = Fit(model, start == 0 ? given_ : WithCurveShape(catalog, free, given_, level, start), config,
+                  search);
       Count(last_);
       if (!last_.usable) continue;
       start_costs_.push_back(last_.report.cost_final);

@@ -22,6 +22,9 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+// Directions with less than this fraction of the largest eigenvalue of the information have no effect.
+constexpr double kWithoutEffect = 1e-14;
+
 // Number of range bins evaluated together. Their Jacobian stays in the first-level cache.
 int BandBins(const FrameModel& model) {
   constexpr int kPixels = 256;
@@ -108,6 +111,36 @@ std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<Cat
   return sums;
 }
 
+// Rows of the Jacobian of some pixels, with their weights.
+class BlockRows {
+ public:
+  void Clear() {
+    jacobian_.clear();
+    information_.clear();
+    along_.clear();
+  }
+
+  void Add(const PixelTerms& terms, std::size_t pixel, Eigen::Index columns) {
+    const auto row = terms.eta_jacobian.begin() + static_cast<std::ptrdiff_t>(pixel) * columns;
+    jacobian_.insert(jacobian_.end(), row, row + columns);
+    information_.push_back(terms.information[pixel]);
+    along_.push_back(terms.residual[pixel] * terms.slope[pixel]);
+  }
+
+  // Adds to the lower triangle of `information`.
+  void AddTo(RowMajor& information, Eigen::VectorXd& score) {
+    jacobian_.resize(jacobian_.size() + pixel_math::kRowPadding, 0.0);
+    pixel_math::AddOuterProducts(jacobian_.data(), information_.data(), along_.data(),
+                                 static_cast<int>(along_.size()), static_cast<int>(score.size()),
+                                 information.data(), score.data());
+  }
+
+ private:
+  std::vector<double> jacobian_;
+  std::vector<double> information_;
+  std::vector<double> along_;
+};
+
 // Indices of the active entries that a frame depends on.
 std::vector<Eigen::Index> ColumnsOf(int frame, const std::vector<CatalogEntry>& catalog,
                                     const FitState& state) {
@@ -118,79 +151,6 @@ std::vector<Eigen::Index> ColumnsOf(int frame, const std::vector<CatalogEntry>& 
   }
   return columns;
 }
-
-// Replaces the hundred thousand residuals of a frame by one residual per parameter that it depends on and one
-// more. Cost and gradient g are the same. J^T J is replaced by the expected information V diag(l) V^T (Fisher
-// scoring; J^T J from the slopes of single pixels is a noisy estimate of it):
-//
-//   J' = diag(sqrt(l)) V^T,  r' = diag(1 / sqrt(l)) V^T g,  and the rest of |r| in the last residual.
-//
-// A Levenberg-Marquardt step needs only this, so the large Jacobian is never stored.
-class FrameCost final : public ceres::CostFunction {
- public:
-  FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
-            int frame)
-      : model_(model),
-        catalog_(catalog),
-        state_(state),
-        frame_(frame),
-        columns_(ColumnsOf(frame, catalog, state)) {
-    for (const Eigen::Index k : columns_) mine_.active.push_back(state.active[k]);
-    set_num_residuals(static_cast<int>(columns_.size()) + 1);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
-  }
-
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    FitState all = state_;
-    all.SetCoordinates(catalog_, {blocks[0], blocks[0] + state_.active.size()});
-    const FitState state{.active = mine_.active, .values = std::move(all.values)};
-    const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
-    // The solver tries a step first and asks for derivatives if it was good. If they are cheap, they are
-    // computed at once and kept.
-    const bool differentiate = derivatives || model_.DerivativesAreCheap();
-    const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
-    if (!sums_ || point != point_ || (derivatives && !differentiated_)) {
-      sums_ = SumFrame(model_, catalog_, state, frame_, differentiate);
-      differentiated_ = differentiate;
-      point_ = point;
-    }
-    const auto& sums = sums_;
-    if (!sums) return false;
-    const auto n = static_cast<Eigen::Index>(columns_.size());
-    Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
-    out.setZero();
-    if (!derivatives) {
-      out(n) = std::sqrt(sums->residual_square);
-      return true;
-    }
-    Eigen::Map<RowMajor> jacobian(jacobians[0], n + 1, static_cast<Eigen::Index>(state_.active.size()));
-    jacobian.setZero();
-    if (n > 0) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sums->information);
-      const double smallest = 1e-14 * std::max(solver.eigenvalues()(n - 1), 0.0);
-      for (Eigen::Index k = 0; k < n; ++k) {
-        const double eigenvalue = solver.eigenvalues()(k);
-        if (!(eigenvalue > smallest)) continue;  // a direction without effect has no gradient either
-        const double root = std::sqrt(eigenvalue);
-        jacobian(k, columns_) = root * solver.eigenvectors().col(k).transpose();
-        out(k) = solver.eigenvectors().col(k).dot(sums->gradient) / root;
-      }
-    }
-    out(n) = std::sqrt(std::max(sums->residual_square - out.squaredNorm(), 0.0));
-    return true;
-  }
-
- private:
-  const FrameModel& model_;
-  const std::vector<CatalogEntry>& catalog_;
-  const FitState& state_;
-  int frame_;
-  mutable std::optional<FrameSums> sums_;  // at this point
-  mutable std::vector<double> point_;
-  mutable bool differentiated_ = false;
-  std::vector<Eigen::Index> columns_;  // of the entries that it depends on, among all active ones
-  FitState mine_;                      // with these active entries only
-};
 
 // Prior of the active entries.
 class PriorCost final : public ceres::CostFunction {
@@ -233,23 +193,131 @@ void FitState::SetCoordinates(const std::vector<CatalogEntry>& catalog,
   }
 }
 
-std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
-                                             const std::vector<CatalogEntry>& catalog, const FitState& state,
-                                             std::vector<double>& coordinates) {
-  auto problem = std::make_unique<ceres::Problem>();
-  for (int frame = 0; frame < model.frame_count(); ++frame) {
-    problem->AddResidualBlock(new FrameCost(model, catalog, state, frame), nullptr, coordinates.data());
+// Replaces the hundred thousand residuals of a frame by one residual per parameter that it depends on and one
+// more. Cost and gradient g are the same. J^T J is replaced by the expected information V diag(l) V^T (Fisher
+// scoring; J^T J from the slopes of single pixels is a noisy estimate of it):
+//
+//   J' = diag(sqrt(l)) V^T,  r' = diag(1 / sqrt(l)) V^T g,  and the rest of |r| in the last residual.
+//
+// A Levenberg-Marquardt step needs only this, so the large Jacobian is never stored.
+class FitProblem::FrameCost final : public ceres::CostFunction {
+ public:
+  FrameCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
+            int frame)
+      : model_(model),
+        catalog_(catalog),
+        state_(state),
+        frame_(frame),
+        columns_(ColumnsOf(frame, catalog, state)) {
+    for (const Eigen::Index k : columns_) mine_.active.push_back(state.active[k]);
+    set_num_residuals(static_cast<int>(columns_.size()) + 1);
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
   }
-  problem->AddResidualBlock(new PriorCost(catalog, state), nullptr, coordinates.data());
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    FitState all = state_;
+    all.SetCoordinates(catalog_, {blocks[0], blocks[0] + state_.active.size()});
+    const FitState state{.active = mine_.active, .values = std::move(all.values)};
+    const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
+    // The solver tries a step first and asks for derivatives if it was good. If they are cheap, they are
+    // computed at once and kept.
+    const bool differentiate = derivatives || model_.DerivativesAreCheap();
+    const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
+    if (!sums_ || point != point_ || (derivatives && !differentiated_)) {
+      sums_ = SumFrame(model_, catalog_, state, frame_, differentiate);
+      differentiated_ = differentiate;
+      point_ = point;
+    }
+    const auto& sums = sums_;
+    if (!sums) return false;
+    const auto n = static_cast<Eigen::Index>(columns_.size());
+    Eigen::Map<Eigen::VectorXd> out(residuals, n + 1);
+    out.setZero();
+    if (!derivatives) {
+      out(n) = std::sqrt(sums->residual_square);
+      return true;
+    }
+    Eigen::Map<RowMajor> jacobian(jacobians[0], n + 1, static_cast<Eigen::Index>(state_.active.size()));
+    jacobian.setZero();
+    if (n > 0) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sums->information);
+      const double smallest = kWithoutEffect * std::max(solver.eigenvalues()(n - 1), 0.0);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double eigenvalue = solver.eigenvalues()(k);
+        if (!(eigenvalue > smallest)) continue;  // a direction without effect has no gradient either
+        const double root = std::sqrt(eigenvalue);
+        jacobian(k, columns_) = root * solver.eigenvectors().col(k).transpose();
+        out(k) = solver.eigenvectors().col(k).dot(sums->gradient) / root;
+      }
+    }
+    out(n) = std::sqrt(std::max(sums->residual_square - out.squaredNorm(), 0.0));
+    return true;
+  }
+
+  // Adds gradient and information at this point. Returns false if they are not known there.
+  bool AddSlopes(const std::vector<double>& point, CostSlopes& slopes) const {
+    if (!sums_ || !differentiated_ || point != point_) return false;
+    slopes.information(columns_, columns_) += sums_->information;
+    slopes.gradient(columns_) += sums_->gradient;
+    return true;
+  }
+
+ private:
+  const FrameModel& model_;
+  const std::vector<CatalogEntry>& catalog_;
+  const FitState& state_;
+  int frame_;
+  mutable std::optional<FrameSums> sums_;  // at this point
+  mutable std::vector<double> point_;
+  mutable bool differentiated_ = false;
+  std::vector<Eigen::Index> columns_;  // of the entries that it depends on, among all active ones
+  FitState mine_;                      // with these active entries only
+};
+
+FitProblem::FitProblem(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                       const FitState& state, std::vector<double>& coordinates)
+    : catalog_(catalog), state_(state) {
+  for (int frame = 0; frame < model.frame_count(); ++frame) {
+    auto cost = std::make_unique<FrameCost>(model, catalog, state, frame);
+    frames_.push_back(cost.get());
+    problem_.AddResidualBlock(cost.release(), nullptr, coordinates.data());
+  }
+  problem_.AddResidualBlock(new PriorCost(catalog, state), nullptr, coordinates.data());
   for (std::size_t i = 0; i < state.active.size(); ++i) {
     const CatalogEntry& entry = catalog[state.active[i]];
     const int index = static_cast<int>(i);
-    problem->SetParameterLowerBound(coordinates.data(), index,
+    problem_.SetParameterLowerBound(coordinates.data(), index,
                                     entry.CoordinateFromValue(entry.solve_lower()));
-    problem->SetParameterUpperBound(coordinates.data(), index,
+    problem_.SetParameterUpperBound(coordinates.data(), index,
                                     entry.CoordinateFromValue(entry.solve_upper()));
   }
-  return problem;
+}
+
+std::optional<double> FitProblem::ExpectedFall(const std::vector<double>& coordinates,
+                                               const std::vector<int>& held) const {
+  const auto n = static_cast<Eigen::Index>(coordinates.size());
+  CostSlopes slopes{.information = Eigen::MatrixXd::Zero(n, n), .gradient = Eigen::VectorXd::Zero(n)};
+  for (const FrameCost* frame : frames_) {
+    if (!frame->AddSlopes(coordinates, slopes)) return std::nullopt;
+  }
+  std::vector<Eigen::Index> moving;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const CatalogEntry& entry = catalog_[state_.active[k]];
+    if (entry.prior) {
+      const double weight = 1.0 / (entry.prior->sigma * entry.prior->sigma);
+      slopes.information(k, k) += weight;
+      slopes.gradient(k) += weight * (coordinates[k] - entry.prior->coordinate);
+    }
+    if (std::ranges::find(held, k) == held.end()) moving.push_back(k);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(slopes.information(moving, moving).eval());
+  const Eigen::VectorXd along = solver.eigenvectors().transpose() * slopes.gradient(moving);
+  const double smallest = kWithoutEffect * solver.eigenvalues().maxCoeff();
+  double fall = 0.0;
+  for (Eigen::Index k = 0; k < along.size(); ++k) {
+    if (solver.eigenvalues()(k) > smallest) fall += 0.5 * along(k) * along(k) / solver.eigenvalues()(k);
+  }
+  return fall;
 }
 
 BlockPixels BlockSize(const FrameModel& model, const FitOptions& options) {
@@ -314,14 +382,12 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
     std::vector<Band> bands((model.range_bins() + block_bins - 1) / block_bins);
     ForBands(model.range_bins(), block_bins, [&](int band_idx, int first, int last) {
       thread_local PixelTerms terms;
+      thread_local BlockRows rows;
       terms.repeat_factor.clear();  // may be from another model
       SONARCAL_CHECK(evaluation->Bins(first, last, terms), "the model gives no value here");
       Band& band = bands[band_idx];
-      const Eigen::Map<const RowMajor> jacobian(terms.eta_jacobian.data(),
-                                                static_cast<Eigen::Index>(terms.residual.size()), m);
       for (int first_beam = 0; first_beam < beams; first_beam += block_beams) {
-        Eigen::MatrixXd information = Eigen::MatrixXd::Zero(m, m);
-        Eigen::VectorXd score = Eigen::VectorXd::Zero(m);
+        rows.Clear();
         for (int bin = first; bin < last; ++bin) {
           for (int beam = first_beam; beam < std::min(first_beam + block_beams, beams); ++beam) {
             if (!model.Counts(frame, static_cast<std::size_t>(bin) * beams + beam)) continue;
@@ -332,11 +398,12 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
             ++band.count;
             band.sum += whitened;
             band.square += whitened * whitened;
-            const auto row = jacobian.row(static_cast<Eigen::Index>(i)).transpose();
-            score.noalias() += residual * terms.slope[i] * row;
-            information.selfadjointView<Eigen::Lower>().rankUpdate(row, terms.information[i]);
+            rows.Add(terms, i, m);
           }
         }
+        RowMajor information = RowMajor::Zero(m, m);
+        Eigen::VectorXd score = Eigen::VectorXd::Zero(m);
+        rows.AddTo(information, score);
         NormalEquations::Block block{.information = Eigen::MatrixXd::Zero(n, n),
                                      .score = Eigen::VectorXd::Zero(n)};
         const Eigen::MatrixXd full = information.selfadjointView<Eigen::Lower>();

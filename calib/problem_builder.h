@@ -3,7 +3,7 @@
 
 #include <ceres/problem.h>
 
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "calib/fit_report.h"
@@ -22,12 +22,30 @@ struct FitState {
   void SetCoordinates(const std::vector<CatalogEntry>& catalog, const std::vector<double>& coordinates);
 };
 
-// Builds a problem with one parameter block (`coordinates`, one value per active entry, within the bounds of
-// the entries), one residual block per frame and one for the priors. For one thread. Model, catalog (its
-// bounds may be narrower than those of the model), state and coordinates must outlive the problem.
-std::unique_ptr<ceres::Problem> BuildProblem(const FrameModel& model,
-                                             const std::vector<CatalogEntry>& catalog, const FitState& state,
-                                             std::vector<double>& coordinates);
+// A problem with one parameter block (`coordinates`, one value per active entry, within the bounds of the
+// entries), one residual block per frame and one for the priors. For one thread. Model, catalog (its bounds
+// may be narrower than those of the model), state and coordinates must outlive it.
+class FitProblem {
+ public:
+  FitProblem(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
+             std::vector<double>& coordinates);
+
+  ceres::Problem& problem() { return problem_; }
+
+  // Returns by how much the cost is expected to fall from `coordinates` to its lowest point, if coordinates
+  // other than `held` move: g^T H^-1 g / 2 of gradient g and expected information H, with priors. Nullopt if
+  // derivatives were not evaluated there last.
+  std::optional<double> ExpectedFall(const std::vector<double>& coordinates,
+                                     const std::vector<int>& held) const;
+
+ private:
+  class FrameCost;
+
+  const std::vector<CatalogEntry>& catalog_;
+  const FitState& state_;
+  ceres::Problem problem_;
+  std::vector<const FrameCost*> frames_;  // they belong to the problem
+};
 
 // Size of a block that counts as nearly independent of the others: at least eight widths of pulse and beam,
 // as far as a frame still has a few blocks.

@@ -5,6 +5,7 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace sonarcal::calib {
 namespace {
@@ -14,32 +15,36 @@ namespace {
 // held if the cost falls beyond it, and freed if the cost falls inwards.
 class BoundedSolve {
  public:
-  BoundedSolve(ceres::Problem& problem, std::vector<double>& coordinates, const std::function<bool()>& stop)
-      : problem_(problem), coordinates_(coordinates), watch_(*this, stop) {
+  BoundedSolve(FitProblem& of_fit, std::vector<double>& coordinates, const SolveLimits& limits,
+               const std::function<bool()>& stop)
+      : of_fit_(of_fit),
+        problem_(of_fit.problem()),
+        coordinates_(coordinates),
+        limits_(limits),
+        watch_(*this, stop) {
     for (int k = 0; k < size(); ++k) {
-      lower_.push_back(problem.GetParameterLowerBound(coordinates.data(), k));
-      upper_.push_back(problem.GetParameterUpperBound(coordinates.data(), k));
+      lower_.push_back(problem_.GetParameterLowerBound(coordinates.data(), k));
+      upper_.push_back(problem_.GetParameterUpperBound(coordinates.data(), k));
     }
   }
 
-  SolveSummary Run(const SolveLimits& limits) {
+  SolveSummary Run() {
     SolveSummary result;
     held_ = Stopped();
     int rounds = 2 * size() + 1;
     while (true) {
-      const SolveLimits left{.function_tolerance = limits.function_tolerance,
-                             .max_iterations = limits.max_iterations - result.iterations};
-      Solve(left, result);
+      Solve(result);
       const std::vector<int> stopped = Stopped();
       const bool same = stopped == held_ && !watch_.reached_bound;
-      if (!result.usable || same || result.iterations >= limits.max_iterations || --rounds == 0)
+      if (!result.usable || same || result.iterations >= limits_.max_iterations || --rounds == 0)
         return result;
       held_ = stopped;
     }
   }
 
  private:
-  // Ends a solve on request, and when another coordinate reaches a bound.
+  // Ends a solve on request, when another coordinate reaches a bound, and when the cost hardly falls or is
+  // expected to fall hardly any more. Ceres alone would take one more step to see that.
   class Watch final : public ceres::IterationCallback {
    public:
     Watch(const BoundedSolve& solve, const std::function<bool()>& stop) : solve_(solve), stop_(stop) {}
@@ -50,10 +55,12 @@ class BoundedSolve {
       if (summary.iteration == 0) at_start_ = sides;
       for (std::size_t k = 0; k < sides.size(); ++k)
         reached_bound = reached_bound || (sides[k] != 0 && at_start_[k] == 0);
-      return reached_bound ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+      converged = summary.step_is_successful && solve_.IsLow(summary);
+      return reached_bound || converged ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
     }
 
     bool reached_bound = false;
+    bool converged = false;
 
    private:
     const BoundedSolve& solve_;
@@ -62,6 +69,14 @@ class BoundedSolve {
   };
 
   int size() const { return static_cast<int>(coordinates_.size()); }
+
+  // True if further steps would lower the cost by less than the tolerance.
+  bool IsLow(const ceres::IterationSummary& after) const {
+    const double tolerance = std::max(limits_.function_tolerance * after.cost, limits_.least_fall);
+    if (after.iteration > 0 && after.cost_change < tolerance) return true;
+    const std::optional<double> fall = of_fit_.ExpectedFall(coordinates_, held_);
+    return fall && *fall < tolerance;
+  }
 
   // Per coordinate: -1 at the lower bound, 1 at the upper one, 0 between them.
   std::vector<int> Sides() const {
@@ -87,13 +102,14 @@ class BoundedSolve {
     return stopped;
   }
 
-  void Solve(const SolveLimits& limits, SolveSummary& result) {
+  void Solve(SolveSummary& result) {
     watch_.reached_bound = false;
+    watch_.converged = false;
     problem_.SetManifold(coordinates_.data(),
                          held_.empty() ? nullptr : new ceres::SubsetManifold(size(), held_));
     ceres::Solver::Options solver;
-    solver.max_num_iterations = limits.max_iterations;
-    solver.function_tolerance = limits.function_tolerance;
+    solver.max_num_iterations = limits_.max_iterations - result.iterations;
+    solver.function_tolerance = limits_.function_tolerance;
     solver.num_threads = 1;  // threads share the pixels of a frame, not the frames
     solver.logging_type = ceres::SILENT;
     // Residual blocks are few and large; the normal equations of a few dozen unknowns are small.
@@ -105,14 +121,18 @@ class BoundedSolve {
     ceres::Solve(solver, &problem_, &summary);
     result.usable = summary.IsSolutionUsable();
     result.cost = summary.final_cost;
-    result.termination = summary.message;
+    result.termination =
+        watch_.converged ? "converged: further steps would lower the cost by less than the tolerance"
+                         : summary.message;
     if (summary.iterations.empty()) return;                                // every coordinate is held
     result.iterations += static_cast<int>(summary.iterations.size()) - 1;  // without the start
     radius_ = summary.iterations.back().trust_region_radius;
   }
 
+  FitProblem& of_fit_;
   ceres::Problem& problem_;
   std::vector<double>& coordinates_;
+  const SolveLimits& limits_;
   std::vector<double> lower_;
   std::vector<double> upper_;
   std::vector<int> held_;
@@ -125,8 +145,8 @@ class BoundedSolve {
 SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                       const SolveLimits& limits, const std::function<bool()>& stop, FitState& state) {
   std::vector<double> coordinates = state.Coordinates(catalog);
-  const auto problem = BuildProblem(model, catalog, state, coordinates);
-  const SolveSummary result = BoundedSolve(*problem, coordinates, stop).Run(limits);
+  FitProblem problem(model, catalog, state, coordinates);
+  const SolveSummary result = BoundedSolve(problem, coordinates, limits, stop).Run();
   if (stop && stop()) throw FitStopped();
   if (result.usable) state.SetCoordinates(catalog, coordinates);
   return result;

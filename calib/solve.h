@@ -10,7 +10,8 @@
 namespace sonarcal::calib {
 
 struct SolveLimits {
-  double function_tolerance = 1e-8;  // relative change of cost that ends it
+  double function_tolerance = 1e-8;  // fall of the cost that ends it, as a fraction of the cost
+  double least_fall = 0.0;           // the same, as a difference
   int max_iterations = 100;
 };
 

@@ -545,12 +545,13 @@ std::unique_ptr<FrameModel> AcousticFrameModel::Coarse(std::size_t wanted_pixels
 
 std::unique_ptr<FrameModel> AcousticFrameModel::CoarseAbout(const ParameterValues& values,
                                                             std::size_t wanted_pixels) const {
-  if (!HasSlopes()) return Coarse(wanted_pixels);
+  const bool keeps = KeepsEchoes(values, {});
+  if (keeps && !HasSlopes()) return Coarse(wanted_pixels);
   const std::optional<PixelBlock> block = BlockFor(wanted_pixels);
   if (!block) return nullptr;
   const std::shared_ptr<const sim::Simulator> simulator = SimulatorAt(values);
   std::vector<FrameEchoes> echoes;
-  if (KeepsEchoes(values, {})) {
+  if (keeps) {
     for (const FrameEchoes& of : echoes_) echoes.push_back({.at_point = of.at_point, .ghosts = of.ghosts});
   } else {
     echoes = FramesAbout(*simulator, values, {});

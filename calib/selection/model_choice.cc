@@ -42,14 +42,21 @@ class Chooser {
   ModelChoice Run(const ParameterSet& initial, const FitConfig& config) {
     mirrors_ = sim::ReflectingMaterials(simulator_.caster().material_names(), initial);
     const FitOptions few = Few(options_.first_iterations, options_.fit.starts, true);
+    const std::vector<CatalogEntry> catalog = Catalog(config);
     Say("selection of the model: fitting the given one");
     std::optional<Candidate> first = FitAndJudge(initial, initial, config, few);
     if (!first) throw DataError("the given model could not be fitted to the frames used");
     best_ = std::move(*first);
+    // All other fits start at its values.
+    std::erase_if(best_.config.start, [&](const auto& start) {
+      const int entry = FindEntry(catalog, start.first);
+      return entry >= 0 && !IsPlacement(catalog[static_cast<std::size_t>(entry)]);
+    });
     ModelChoice choice;
     for (const ChoiceAxis axis : options_.axes) choice.axes.push_back(Decide(axis));
     choice.parameters = best_.initial;
     choice.config = best_.config;
+    choice.config.start = config.start;
     choice.tie_sigmas = options_.tie_sigmas;
     for (const GreyFrame& frame : held_out_) choice.frames_chosen_on.push_back(frame.index);
     choice.pixels = pixels_;
@@ -68,6 +75,7 @@ class Chooser {
     few.starts = starts;
     few.search_level = search_level;
     few.down_weight = false;  // the evaluation uses all pixels, so the fit does too
+    few.standard_errors = false;
     few.progress = {};
     return few;
   }

@@ -160,18 +160,19 @@ TEST_F(SmallTankModels, CeresGetsTheSumsOverAllPixels) {
   }
   const auto n = static_cast<Eigen::Index>(state.active.size());
   std::vector<double> coordinates = state.Coordinates(catalog);
-  const auto problem = BuildProblem(model, catalog, state, coordinates);
+  FitProblem of_fit(model, catalog, state, coordinates);
+  ceres::Problem& problem = of_fit.problem();
   double cost = 0.0;
   std::vector<double> gradient;
   ceres::CRSMatrix sparse;
-  ASSERT_TRUE(problem->Evaluate({}, &cost, nullptr, &gradient, &sparse));
+  ASSERT_TRUE(problem.Evaluate({}, &cost, nullptr, &gradient, &sparse));
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
   for (int row = 0; row < sparse.num_rows; ++row) {
     for (int i = sparse.rows[row]; i < sparse.rows[row + 1]; ++i)
       jacobian(row, sparse.cols[i]) = sparse.values[i];
   }
   double cost_alone = 0.0;
-  ASSERT_TRUE(problem->Evaluate({}, &cost_alone, nullptr, nullptr, nullptr));
+  ASSERT_TRUE(problem.Evaluate({}, &cost_alone, nullptr, nullptr, nullptr));
 
   Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd expected_gradient = Eigen::VectorXd::Zero(n);
@@ -196,6 +197,20 @@ TEST_F(SmallTankModels, CeresGetsTheSumsOverAllPixels) {
   EXPECT_LT((jacobian.transpose() * jacobian - expected).norm(), 1e-9 * expected.norm());
   EXPECT_LT((Eigen::Map<Eigen::VectorXd>(gradient.data(), n) - expected_gradient).norm(),
             1e-7 * expected_gradient.norm());
+
+  // The fall to the bottom of the parabola, with and without a coordinate that is held.
+  const auto fall_of = [](const Eigen::MatrixXd& information, const Eigen::VectorXd& slope) {
+    return 0.5 * slope.dot(information.completeOrthogonalDecomposition().solve(slope));
+  };
+  const double fall = fall_of(expected, expected_gradient);
+  EXPECT_NEAR(of_fit.ExpectedFall(coordinates, {}).value(), fall, 1e-6 * fall);
+  const double fall_of_rest =
+      fall_of(expected.bottomRightCorner(n - 1, n - 1), expected_gradient.tail(n - 1));
+  EXPECT_NEAR(of_fit.ExpectedFall(coordinates, {0}).value(), fall_of_rest, 1e-6 * fall);
+  EXPECT_LT(fall_of_rest, fall);
+  std::vector<double> elsewhere = coordinates;
+  elsewhere.front() += 0.1;
+  EXPECT_FALSE(of_fit.ExpectedFall(elsewhere, {}).has_value()) << "nothing was evaluated there";
 }
 
 // As long as nothing moves speckle stays: a second frame of one pose makes no sigma smaller.

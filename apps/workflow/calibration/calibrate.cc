@@ -373,7 +373,7 @@ class Calibrator {
                          GreyFrames(recording_, *plan_.fit.held_out));
     if (!plan_.Has(CalibrationStage::kMirrors)) Forget(CalibrationStage::kMirrors);
     listener_.Message("placement: fitting curves at the recorded poses");
-    const Trial plain = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
+    const Trial plain = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), ValuesOnly(solver_));
     FoundMirrors mirrors;
     if (!plan_.Has(CalibrationStage::kMirrors)) mirrors = FindMirrors(trials, plain);
     ParameterSet start = WithNoiseLevel(trials.used());
@@ -446,6 +446,7 @@ class Calibrator {
     // best one there.
     Searched searched{.as_recorded = as_recorded};
     const CalibrationPlan given = plan_;
+    StartAt(as_recorded.fit.report, plan_.fit);
     if (!plan_.Has(CalibrationStage::kBeam)) TryElevation(trials, searched.as_recorded);
     StartAt(searched.as_recorded.fit.report, plan_.fit);
     searched.plan_as_recorded = plan_;
@@ -473,12 +474,12 @@ class Calibrator {
                       config.pose_prior.position_m, config.pose_prior.angle_deg));
       StartAt(found.report, plan_.fit);
       config.start = plan_.fit.start;
-      found = trials.Search(blocks.parameters, config, search);
+      found = trials.Search(blocks.parameters, config, ValuesOnly(search));
     }
     StartAt(found.report, plan_.fit);
     config.start = plan_.fit.start;
     if (!plan_.Has(CalibrationStage::kBeam) && !trials.held_out().empty()) {
-      calib::FitOptions near = Near();
+      calib::FitOptions near = ValuesOnly(Near());
       near.repeat_shares = search.repeat_shares;
       const double recorded_cost = Cost(trials.Search(blocks.parameters, Radiometry(), near));
       SearchElevation(trials, blocks.parameters, config, recorded_cost - Cost(found), found);
@@ -500,7 +501,7 @@ class Calibrator {
         ChooseForm(trials.simulator(), trials.used(), trials.held_out(), {calib::ChoiceAxis::kElevation});
     listener_.Message(fmt::format("placement: at the recorded poses, {}", Names(FormOf(chosen))));
     if (plan_.parameters.beam == before) return;
-    as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), solver_);
+    as_recorded = trials.Try(WithNoiseLevel(trials.used()), Radiometry(), ValuesOnly(Solver()));
   }
 
   // Tries the other elevation patterns, each with poses, geometry and objects free. `found`: the search with
@@ -511,7 +512,7 @@ class Calibrator {
   void SearchElevation(const HeldOutTrials& trials, ParameterSet best, const FitConfig& config, double fall,
                        calib::AcousticFit& found) {
     constexpr double kNatsOfAnother = 3.0;
-    calib::FitOptions near = Near();
+    calib::FitOptions near = ValuesOnly(Near());
     near.joint_steps = kPatternSteps;
     const Placed placed = PlacedFrames(WithLobes());
     const HeldOutTrials at_found(*placed.simulator, placed.used, placed.held_out);
@@ -665,7 +666,7 @@ class Calibrator {
                                 const std::vector<calib::GreyFrame>& held_out,
                                 std::vector<calib::ChoiceAxis> axes) {
     calib::ModelChoice chosen = calib::ChooseModel(simulator, used, held_out, WithNoiseLevel(used),
-                                                   Radiometry(), {.axes = std::move(axes), .fit = solver_});
+                                                   Radiometry(), {.axes = std::move(axes), .fit = Solver()});
     const bool had_level = plan_.parameters.receiver.noise_db.has_value();
     plan_.parameters = chosen.parameters;
     if (!had_level) plan_.parameters.receiver.noise_db.reset();
@@ -681,7 +682,7 @@ class Calibrator {
     }
     const Placed placed = PlacedFrames(plan_.parameters);
     HeldOutTrials trials(*placed.simulator, placed.used, placed.held_out);
-    const Trial without = trials.Try(WithNoiseLevel(placed.used), Radiometry(), solver_);
+    const Trial without = trials.Try(WithNoiseLevel(placed.used), Radiometry(), ValuesOnly(Solver()));
     const FoundMirrors mirrors = FindMirrors(trials, without);
     if (mirrors.names.empty())
       return {"none", "ghosts do not raise the likelihood: " + GainText(mirrors.gain)};
@@ -700,10 +701,13 @@ class Calibrator {
     for (const std::string& material : scene_.material_names) {
       if (material != scored) found.names.push_back(material);
     }
+    const calib::FitReport* nearest = &without.fit.report;
     while (!found.names.empty()) {
       FitConfig config = Radiometry();
+      StartAt(*nearest, config);
       FreeMirrors(found.names, config);
-      found.with = trials.Try(WithNoiseLevel(trials.used()), config, solver_);
+      found.with = trials.Try(WithNoiseLevel(trials.used()), config, Near());
+      nearest = &found.with.fit.report;
       found.gain = HeldOutTrials::Gain(found.with, without);
       const std::size_t before = found.names.size();
       std::erase_if(found.names, [&](const std::string& name) {
@@ -795,6 +799,19 @@ class Calibrator {
     });
     std::erase_if(config.start, [](const auto& start) { return IsPlacementName(start.first); });
     return config;
+  }
+
+  // Options of a fit of the radiometry, which an earlier fit may have started.
+  calib::FitOptions Solver() const {
+    const bool started =
+        std::ranges::any_of(plan_.fit.start, [](const auto& start) { return start.first.starts_with("material."); });
+    return started ? Near() : solver_;
+  }
+
+  // Options without standard errors, for fits of which only values and costs are taken.
+  static calib::FitOptions ValuesOnly(calib::FitOptions options) {
+    options.standard_errors = false;
+    return options;
   }
 
   // Options of fits that start where an earlier one ended.

@@ -24,7 +24,9 @@ Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig&
   calib::FitConfig config = given;
   calib::FitOptions options = given_options;
   if (options.starts > 1) {
-    StartAt(Search(parameters, config, options).report, config);
+    calib::FitOptions search = options;
+    search.standard_errors = false;
+    StartAt(Search(parameters, config, search).report, config);
     options.starts = 1;
     options.search_level = false;
   }
