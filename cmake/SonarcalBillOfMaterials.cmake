@@ -1,5 +1,5 @@
-# The libraries that this configuration uses. The software bill of materials <build>/sonarcal.spdx.json (SPDX 2.3)
-# comes from the list below.
+# The libraries that this configuration uses. Two outputs come from the list below: the table of
+# `sonarcal --licenses` and the software bill of materials <build>/sonarcal.spdx.json (SPDX 2.3).
 #
 # A package found with sonarcal_find that has no entry stops CMake. Not in the list: the C and C++ runtime
 # libraries, the Python interpreter with its packages, and what a shared library uses itself.
@@ -88,7 +88,8 @@ function(sonarcal_list_library name)
     sonarcal_spdx_id(needed_by "${ARG_NEEDED_BY}")
     sonarcal_relate(${needed_by} DEPENDS_ON ${id})
   endif()
-  foreach(output LISTED_PACKAGES SPDX_PACKAGES SPDX_RELATIONSHIPS)
+  list(APPEND SONARCAL_LIBRARY_ROWS "    {\"${name}\", \"${ARG_VERSION}\", \"${ARG_USE}\", \"${ARG_LICENCE}\"},\n")
+  foreach(output LISTED_PACKAGES SPDX_PACKAGES SPDX_RELATIONSHIPS LIBRARY_ROWS)
     set(SONARCAL_${output} "${SONARCAL_${output}}" PARENT_SCOPE)
   endforeach()
 endfunction()
@@ -109,6 +110,7 @@ endmacro()
 set(SONARCAL_LISTED_PACKAGES Threads)  # part of the C library
 set(SONARCAL_SPDX_PACKAGES "")
 set(SONARCAL_SPDX_RELATIONSHIPS "")
+set(SONARCAL_LIBRARY_ROWS "")
 
 # Libraries of core, data_io, metrics, sim and calib.
 sonarcal_list_library(Boost LINKED_AS Boost::headers VERSION "${boost_headers_VERSION}" PACKAGE boost_headers
@@ -224,3 +226,13 @@ string(UUID SONARCAL_SPDX_UUID NAMESPACE 6ba7b811-9dad-11d1-80b4-00c04fd430c8 TY
   NAME "sonarcal ${PROJECT_VERSION}${SONARCAL_SPDX_PACKAGES}${SONARCAL_SPDX_RELATIONSHIPS}")
 string(TIMESTAMP SONARCAL_SPDX_CREATED UTC)
 configure_file(cmake/sonarcal.spdx.json.in ${PROJECT_BINARY_DIR}/sonarcal.spdx.json @ONLY)
+
+if(SONARCAL_BUILD_APPS)
+  list(SORT SONARCAL_LIBRARY_ROWS CASE INSENSITIVE)
+  string(JOIN "" SONARCAL_LIBRARY_ROWS ${SONARCAL_LIBRARY_ROWS})
+  file(READ LICENSE SONARCAL_LICENCE)
+  file(READ THIRD_PARTY_NOTICES.md SONARCAL_NOTICES)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS LICENSE THIRD_PARTY_NOTICES.md)
+  configure_file(apps/cli/documentation/licence_texts.h.in
+    ${PROJECT_BINARY_DIR}/apps/generated/apps/cli/documentation/licence_texts.h @ONLY)
+endif()
