@@ -35,6 +35,7 @@ install(FILES
   cmake/FindZstd.cmake
   cmake/SonarcalDependencies.cmake
   DESTINATION ${SONARCAL_PACKAGE_DIR} COMPONENT development)
-install(FILES LICENSE THIRD_PARTY_NOTICES.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licence)
+install(FILES LICENSE THIRD_PARTY_NOTICES.md ${PROJECT_BINARY_DIR}/sonarcal.spdx.json
+  DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT licence)
 
 include(SonarcalPackages)

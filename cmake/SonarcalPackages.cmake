@@ -24,7 +24,8 @@ if(NOT SONARCAL_BUILD_APPS)
   list(REMOVE_ITEM packages program)
 endif()
 
-# Files that Debian requires in the folder of every package: copyright, notices and a compressed changelog.
+# Files that Debian requires in the folder of every package: copyright and a compressed
+# changelog. With them: notices and the bill of materials.
 set(debian_dir ${PROJECT_BINARY_DIR}/debian)
 string(TIMESTAMP package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 set(CPACK_PACKAGE_CONTACT "The sonarcal authors <sonarcal@users.noreply.github.com>")
@@ -37,6 +38,7 @@ foreach(component IN LISTS packages)
     " -- ${CPACK_PACKAGE_CONTACT}  ${package_date}\n")
   execute_process(COMMAND ${SONARCAL_GZIP} -9nf ${debian_dir}/${package}/changelog COMMAND_ERROR_IS_FATAL ANY)
   install(FILES ${debian_dir}/${package}/changelog.gz ${PROJECT_SOURCE_DIR}/THIRD_PARTY_NOTICES.md
+      ${PROJECT_BINARY_DIR}/sonarcal.spdx.json
     DESTINATION share/doc/${package} COMPONENT ${component} EXCLUDE_FROM_ALL)
   install(FILES ${PROJECT_SOURCE_DIR}/cmake/debian_copyright DESTINATION share/doc/${package} RENAME copyright
     COMPONENT ${component} EXCLUDE_FROM_ALL)

@@ -10,5 +10,5 @@ endif()
 if(SONARCAL_WITH_PYTHON)
   # Before pybind11, which would take another python3 that stands first on PATH.
   find_package(Python 3.9 REQUIRED COMPONENTS Interpreter Development.Module)
-  find_package(pybind11 2.10 REQUIRED)
+  sonarcal_find(pybind11 2.10)
 endif()

@@ -97,7 +97,7 @@ def main():
             alone = pathlib.Path(folder, name)
             for target in (alone, root):
                 subprocess.run(["dpkg-deb", "-x", str(package), str(target)], check=True)
-            for path in ("copyright", "changelog.gz", "THIRD_PARTY_NOTICES.md"):
+            for path in ("copyright", "changelog.gz", "THIRD_PARTY_NOTICES.md", "sonarcal.spdx.json"):
                 assert (alone / "usr/share/doc" / name / path).is_file(), (name, path)
         # Compares with the libraries that the programs name, independently of dpkg-shlibdeps.
         module = next(root.rglob("_sonarcal.*.so"))

@@ -51,6 +51,9 @@ if(SONARCAL_BUILD_APPS)
   add_test(NAME make_aris3000_recording
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/make_aris3000_recording_test.py
       $<TARGET_FILE:sonarcal>)
+  add_test(NAME licence
+    COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/licence_test.py ${PROJECT_BINARY_DIR}
+      $<TARGET_FILE:sonarcal> ${CMAKE_COMMAND} ${CMAKE_GENERATOR})
   if(NOT SONARCAL_SANITIZE)
     add_test(NAME package
       COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/package_test.py ${PROJECT_BINARY_DIR}

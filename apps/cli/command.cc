@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/documentation/command_options.h"
+#include "apps/cli/documentation/licences.h"
 #include "apps/cli/help_formatter.h"
 #include "apps/cli/interruption.h"
 #include "apps/cli/messages.h"
@@ -217,7 +218,13 @@ void SetUpRoot(CLI::App& app) {
   app.name("sonarcal");
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "Print this help");
-  app.set_version_flag("--version", "sonarcal " SONARCAL_VERSION, "Print the version");
+  const CLI::Option* licences = app.add_flag_callback(
+      "--licenses", [] { throw CLI::CallForVersion(LicenceText(), 0); },
+      "Print the version, the licence, and the licences of the libraries");
+  const auto version = [licences] {
+    return licences->count() > 0 ? LicenceText() : "sonarcal " SONARCAL_VERSION;
+  };
+  app.set_version_flag("--version", version, "Print the version");
   app.option_defaults()->always_capture_default();
   app.require_subcommand(1);
 }

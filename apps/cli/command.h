@@ -53,9 +53,9 @@ CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& 
 // exit status becomes that of the program. `common` belongs to the options struct that `run` holds.
 void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()> run);
 
-// Prepares the root of the command line for Setup functions: version, help layout, "one command is required".
-// Every line of help has a unit and a default. The unit is in the type name or the description; the layout
-// adds the default.
+// Prepares the root of the command line for Setup functions: version, licences, help layout, "one command is
+// required". Every line of help has a unit and a default. The unit is in the type name or the description.
+// The layout adds the default.
 void SetUpRoot(CLI::App& app);
 
 // Parses the command line and runs the selected command. Converts every failure to one sentence and an exit
