@@ -259,6 +259,7 @@ class AcousticFitter {
   // Fits curves and receiver first, because a wrong level would lead the geometry astray.
   void FitRadiometryFirst() {
     if (radiometric_.empty() && !geometric_.empty()) return;
+    if (options_.near_start && poses_.empty() && !geometric_.empty()) return;  // rounds begin with it
     FitOptions start = options_;
     start.rough = !geometric_.empty();
     start.test_others = options_.test_others && !options_.down_weight;
@@ -277,10 +278,7 @@ class AcousticFitter {
   void ScanWidths() {
     if (!poses_.empty() || radiometric_.empty() || options_.near_start || !fit_.usable) return;
     for (const int entry : geometric_) {
-      for (const double factor : {kScanFactor, 1.0 / kScanFactor}) {
-        const int steps = ScanWidth(entry, factor);
-        if (steps > 0) break;
-      }
+      if (ScanWidth(entry, kScanFactor) == 0) ScanWidth(entry, 1.0 / kScanFactor);
     }
   }
 
@@ -305,9 +303,9 @@ class AcousticFitter {
     values[entry] = value;
     FitOptions rough = again_;
     rough.progress = {};
-    const auto coarse = model_->CoarseAbout(values, kScanPixels);
-    if (coarse == nullptr) return {.values = values, .report = {}, .usable = false};
-    return Fit(*coarse, values, RadiometryOnly(), rough);
+    if (const auto coarse = model_->CoarseAbout(values, kScanPixels))
+      return Fit(*coarse, values, RadiometryOnly(), rough);
+    return Fit(AcousticFrameModel(*model_, model_->simulator(), values, {}), values, RadiometryOnly(), rough);
   }
 
   // Fits curves and receiver to blocks of pixels, which suffice while poses are not right.

@@ -49,8 +49,11 @@ double ExponentOfWidth(double width_deg) {
 
 // Curves similar to this one, with exchanged bumps.
 std::vector<Curve> Exchanged(const Curve& curve) {
-  const auto [a, b, c, d, e, f] = curve;
   constexpr double kWeak = 0.3;
+  const auto [a, b, c_or_none, d, e_or_none, f] = curve;
+  // A bump that is as good as absent would not grow: a solver moves the logarithms of amplitudes.
+  const double c = std::max(c_or_none, kWeak * e_or_none);
+  const double e = std::max(e_or_none, kWeak * c_or_none);
   return {
       // The wide Gaussian takes the narrow one's place, the cosine the wide one's.
       {e, f, kWeak * c, 1.5, c, WidthOfExponent(d)},
@@ -84,6 +87,7 @@ class Search {
       : catalog_(catalog),
         point_(point),
         stop_(stop),
+        pixels_per_cell_(model.speckle_cell().bins * model.speckle_cell().beams),
         coarse_(model.CoarseAbout(point.values, kCoarsePixels)),
         whole_(coarse_ != nullptr ? *coarse_ : model) {
     result_.widening.assign(catalog.size(), 1.0);
@@ -104,6 +108,8 @@ class Search {
       const Eigen::MatrixXd information = Information(material, base->values);
       if (!(information.diagonal().minCoeff() > 0.0)) continue;
       std::vector<bool> open(catalog_.size(), false);
+      // The tested point may lie on a plateau, which the solver has left here.
+      if (base->cost < CostOf(point_.values) - kAlikeNats * pixels_per_cell_) better.push_back(*base);
       TryExchanges(material, *base, DesignEffect(material, information), open, better);
       TryProfiles(material, *base, information, open);
       Report(material, material_names[material.material], open);
@@ -137,18 +143,22 @@ class Search {
   std::optional<Optimum> Solve(const std::vector<int>& active, const ParameterValues& start,
                                int max_iterations) const {
     FitState state{.active = active, .values = start};
-    double cost = 0.0;
     if (!active.empty()) {
       const SolveLimits limits{.least_fall = kCostTolerance, .max_iterations = max_iterations};
       if (guide_ != nullptr) SolveFit(*guide_, catalog_, limits, stop_, state);
       const SolveSummary summary = SolveFit(*model_, catalog_, limits, stop_, state);
       if (!summary.usable) return std::nullopt;
     }
-    cost = CostAt(*model_, state.values, model_->frame_count());
-    for (const int entry : point_.free)
-      cost += 0.5 * std::pow(catalog_[entry].FromPrior(state.values[entry]), 2);
+    const double cost = CostOf(state.values);
     if (!std::isfinite(cost)) return std::nullopt;
     return Optimum{cost, std::move(state.values)};
+  }
+
+  // With priors.
+  double CostOf(const ParameterValues& values) const {
+    double cost = CostAt(*model_, values, model_->frame_count());
+    for (const int entry : point_.free) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
+    return cost;
   }
 
   std::vector<bool> Flags(const std::vector<int>& entries) const {
@@ -275,6 +285,7 @@ class Search {
   const std::vector<CatalogEntry>& catalog_;
   const FittedPoint& point_;
   const std::function<bool()>& stop_;
+  double pixels_per_cell_;
   std::unique_ptr<FrameModel> coarse_;
   const FrameModel& whole_;
   const FrameModel* model_ = nullptr;  // for the material that is tested

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -25,7 +26,12 @@ namespace {
 constexpr double kRoughTolerance = 1e-5;
 constexpr int kRoughIterations = 20;
 constexpr std::size_t kStartPixels = 100'000;  // of all frames together: enough to distinguish valleys
-constexpr double kNegligibleNats = 1e-2;               // of log-likelihood, per speckle cell
+constexpr double kNegligibleNats = 1e-2;       // of log-likelihood, per speckle cell
+constexpr double kNegligibleInSearch = 1e-1;   // the same without standard errors
+
+// Steps by all pixels between moves by blocks of pixels, and the max number of moves.
+constexpr int kStepsBetweenMoves = 4;
+constexpr int kMovesByBlocks = 5;
 
 // Max number of moves to a better curve.
 constexpr int kMovesToBetter = 2;
@@ -70,11 +76,11 @@ class Fitter {
         report_.termination = "the frames determine none of the free parameters";
         break;
       }
-      usable = Solve(model_, Limits());
+      usable = SolveToEnd();
       if (!usable) break;
       // With priors the two orders differ in cost: the exchanged values are a start, not a result.
       const bool exchanged = OrderGaussians(catalog_, Free(), state_.values);
-      if (exchanged && model_.IsLikelihood()) usable = Solve(model_, Limits());
+      if (exchanged && model_.IsLikelihood()) usable = SolveToEnd();
       if (!usable) break;
       if (model_.IsLikelihood()) {
         if (options_.standard_errors) FlagWhatPriorsDecide();
@@ -177,11 +183,35 @@ class Fitter {
 
   double PixelsPerCell() const { return model_.speckle_cell().bins * model_.speckle_cell().beams; }
 
+  double NegligibleNats() const { return options_.standard_errors ? kNegligibleNats : kNegligibleInSearch; }
+
   // Limits of a solve to the end.
   SolveLimits Limits() const {
     return {.function_tolerance = options_.function_tolerance,
-            .least_fall = model_.IsLikelihood() ? kNegligibleNats * PixelsPerCell() : 0.0,
+            .least_fall = model_.IsLikelihood() ? NegligibleNats() * PixelsPerCell() : 0.0,
             .max_iterations = options_.max_iterations};
+  }
+
+  // Solves by the pixels. After a few steps, curves and receiver move by blocks of pixels in between.
+  bool SolveToEnd() {
+    SolveLimits few = Limits();
+    few.max_iterations = std::min(few.max_iterations, kStepsBetweenMoves);
+    std::unique_ptr<FrameModel> coarse;
+    for (int move = 0; model_.IsLikelihood() && move < kMovesByBlocks; ++move) {
+      const int before = report_.iterations;
+      if (!Solve(model_, few)) return false;
+      if (report_.iterations - before < few.max_iterations) return true;
+      if (coarse == nullptr) coarse = model_.CoarseAbout(state_.values, kStartPixels);
+      if (coarse == nullptr) break;
+      FitState radiometry{.active = {}, .values = state_.values};
+      std::ranges::copy_if(state_.active, std::back_inserter(radiometry.active),
+                           [&](int entry) { return !IsGeometric(catalog_[entry]); });
+      if (radiometry.active.empty()) break;
+      const double fall = MoveByCheaperModel(model_, *coarse, catalog_, Limits(), options_.stop, radiometry);
+      state_.values = radiometry.values;
+      if (fall < PixelsPerCell()) break;
+    }
+    return Solve(model_, Limits());
   }
 
   bool Solve(const FrameModel& model, const SolveLimits& limits) {
@@ -249,8 +279,7 @@ class Fitter {
     const std::string termination = report_.termination;
     for (const ParameterValues& start : starts) {
       state_.values = start;
-      if (Solve(model_, Limits()) &&
-          report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) {
+      if (SolveToEnd() && report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) {
         OrderGaussians(catalog_, Free(), state_.values);
         return true;
       }

@@ -82,8 +82,7 @@ std::array<double, 6> AtLevelOf(const std::array<double, 6>& level, std::array<d
 }
 
 ParameterValues WithCurveShape(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
-                               const ParameterValues& start, const ParameterValues& level,
-                               int shape_number) {
+                               const ParameterValues& start, const ParameterValues& level, int shape_number) {
   ParameterValues values = start;
   std::array<double, 6> curve{};
   for (std::size_t i = 0; i < catalog.size(); ++i) {

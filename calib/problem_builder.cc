@@ -178,6 +178,32 @@ class PriorCost final : public ceres::CostFunction {
   const FitState& state_;
 };
 
+// A correction as a sum of squares: residual R (x - at) + R^-T slope for the weight R^T R.
+class CorrectionCost final : public ceres::CostFunction {
+ public:
+  explicit CorrectionCost(const CostCorrection& correction) : at_(correction.at) {
+    const Eigen::LLT<Eigen::MatrixXd> weight(correction.weight);
+    SONARCAL_CHECK(weight.info() == Eigen::Success, "the weight of a correction is positive definite");
+    root_ = weight.matrixU();
+    offset_ = weight.matrixL().solve(correction.slope);
+    set_num_residuals(static_cast<int>(at_.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(at_.size()));
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    const Eigen::Map<const Eigen::VectorXd> x(blocks[0], at_.size());
+    Eigen::Map<Eigen::VectorXd>(residuals, at_.size()) = root_ * (x - at_) + offset_;
+    if (jacobians != nullptr && jacobians[0] != nullptr)
+      Eigen::Map<RowMajor>(jacobians[0], at_.size(), at_.size()) = root_;
+    return true;
+  }
+
+ private:
+  Eigen::VectorXd at_;
+  Eigen::MatrixXd root_;
+  Eigen::VectorXd offset_;
+};
+
 }  // namespace
 
 std::vector<double> FitState::Coordinates(const std::vector<CatalogEntry>& catalog) const {
@@ -275,14 +301,16 @@ class FitProblem::FrameCost final : public ceres::CostFunction {
 };
 
 FitProblem::FitProblem(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
-                       const FitState& state, std::vector<double>& coordinates)
-    : catalog_(catalog), state_(state) {
+                       const FitState& state, std::vector<double>& coordinates,
+                       std::optional<CostCorrection> correction)
+    : catalog_(catalog), state_(state), correction_(std::move(correction)) {
   for (int frame = 0; frame < model.frame_count(); ++frame) {
     auto cost = std::make_unique<FrameCost>(model, catalog, state, frame);
     frames_.push_back(cost.get());
     problem_.AddResidualBlock(cost.release(), nullptr, coordinates.data());
   }
   problem_.AddResidualBlock(new PriorCost(catalog, state), nullptr, coordinates.data());
+  if (correction_) problem_.AddResidualBlock(new CorrectionCost(*correction_), nullptr, coordinates.data());
   for (std::size_t i = 0; i < state.active.size(); ++i) {
     const CatalogEntry& entry = catalog[state.active[i]];
     const int index = static_cast<int>(i);
@@ -299,6 +327,11 @@ std::optional<double> FitProblem::ExpectedFall(const std::vector<double>& coordi
   CostSlopes slopes{.information = Eigen::MatrixXd::Zero(n, n), .gradient = Eigen::VectorXd::Zero(n)};
   for (const FrameCost* frame : frames_) {
     if (!frame->AddSlopes(coordinates, slopes)) return std::nullopt;
+  }
+  if (correction_) {
+    const Eigen::VectorXd moved = Eigen::Map<const Eigen::VectorXd>(coordinates.data(), n) - correction_->at;
+    slopes.information += correction_->weight;
+    slopes.gradient += correction_->slope + correction_->weight * moved;
   }
   std::vector<Eigen::Index> moving;
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -459,6 +492,7 @@ CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>
     SONARCAL_CHECK(sums.has_value(), "the model gives no value here");
     slopes.information(columns, columns) += sums->information;
     slopes.gradient(columns) += sums->gradient;
+    slopes.cost += 0.5 * sums->residual_square;
   }
   return slopes;
 }

@@ -22,13 +22,32 @@ struct FitState {
   void SetCoordinates(const std::vector<CatalogEntry>& catalog, const std::vector<double>& coordinates);
 };
 
+// Half the sum of squares of all frames, its gradient by the coordinates of the active entries, and its
+// expected information; without priors.
+struct CostSlopes {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+  double cost = 0.0;
+};
+CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
+                        const FitState& state);
+
+// Adds slope . (x - at) + (x - at) . weight (x - at) / 2 to the cost at the coordinates x. The weight is
+// positive definite.
+struct CostCorrection {
+  Eigen::VectorXd at;
+  Eigen::VectorXd slope;
+  Eigen::MatrixXd weight;
+};
+
 // A problem with one parameter block (`coordinates`, one value per active entry, within the bounds of the
-// entries), one residual block per frame and one for the priors. For one thread. Model, catalog (its bounds
-// may be narrower than those of the model), state and coordinates must outlive it.
+// entries), one residual block per frame, one for the priors, and one for the correction if there is any. For
+// one thread. Model, catalog (its bounds may be narrower than those of the model), state and coordinates must
+// outlive it.
 class FitProblem {
  public:
   FitProblem(const FrameModel& model, const std::vector<CatalogEntry>& catalog, const FitState& state,
-             std::vector<double>& coordinates);
+             std::vector<double>& coordinates, std::optional<CostCorrection> correction = std::nullopt);
 
   ceres::Problem& problem() { return problem_; }
 
@@ -43,6 +62,7 @@ class FitProblem {
 
   const std::vector<CatalogEntry>& catalog_;
   const FitState& state_;
+  std::optional<CostCorrection> correction_;
   ceres::Problem problem_;
   std::vector<const FrameCost*> frames_;  // they belong to the problem
 };
@@ -69,15 +89,6 @@ double SharedAtEdges(double width, int block, int extent);
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                            const FitState& state, const FitOptions& options,
                            ResidualSummary* residuals = nullptr);
-
-// Gradient of half the sum of squares of all frames by the coordinates of the active entries, and its
-// expected information; without priors.
-struct CostSlopes {
-  Eigen::MatrixXd information;
-  Eigen::VectorXd gradient;
-};
-CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
-                        const FitState& state);
 
 // Returns numerical errors of the score, one vector per pose: its difference from the score by other rays,
 // over the square root of 2. Both models have the same frames and are about one point.

@@ -5,7 +5,10 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace sonarcal::calib {
 namespace {
@@ -121,9 +124,9 @@ class BoundedSolve {
     ceres::Solve(solver, &problem_, &summary);
     result.usable = summary.IsSolutionUsable();
     result.cost = summary.final_cost;
-    result.termination =
-        watch_.converged ? "converged: further steps would lower the cost by less than the tolerance"
-                         : summary.message;
+    result.termination = watch_.converged
+                             ? "converged: further steps would lower the cost by less than the tolerance"
+                             : summary.message;
     if (summary.iterations.empty()) return;                                // every coordinate is held
     result.iterations += static_cast<int>(summary.iterations.size()) - 1;  // without the start
     radius_ = summary.iterations.back().trust_region_radius;
@@ -143,13 +146,44 @@ class BoundedSolve {
 }  // namespace
 
 SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
-                      const SolveLimits& limits, const std::function<bool()>& stop, FitState& state) {
+                      const SolveLimits& limits, const std::function<bool()>& stop, FitState& state,
+                      std::optional<CostCorrection> correction) {
   std::vector<double> coordinates = state.Coordinates(catalog);
-  FitProblem problem(model, catalog, state, coordinates);
+  FitProblem problem(model, catalog, state, coordinates, std::move(correction));
   const SolveSummary result = BoundedSolve(problem, coordinates, limits, stop).Run();
   if (stop && stop()) throw FitStopped();
   if (result.usable) state.SetCoordinates(catalog, coordinates);
   return result;
+}
+
+double MoveByCheaperModel(const FrameModel& model, const FrameModel& cheaper,
+                          const std::vector<CatalogEntry>& catalog, const SolveLimits& limits,
+                          const std::function<bool()>& stop, FitState& state) {
+  constexpr double kDamping = 0.1;  // share of the information
+  const CostSlopes right = SlopesOfCost(model, catalog, state);
+  const CostSlopes cheap = SlopesOfCost(cheaper, catalog, state);
+  const std::vector<double> coordinates = state.Coordinates(catalog);
+  const auto n = static_cast<Eigen::Index>(coordinates.size());
+  CostCorrection correction{.at = Eigen::Map<const Eigen::VectorXd>(coordinates.data(), n),
+                            .slope = right.gradient - cheap.gradient,
+                            .weight = kDamping * right.information};
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const CatalogEntry& entry = catalog[state.active[k]];
+    const double step = entry.prior ? entry.prior->sigma : entry.typical_step;
+    correction.weight(k, k) += kDamping / (step * step);
+  }
+  const auto of_priors = [&](const ParameterValues& values) {
+    double cost = 0.0;
+    for (const int entry : state.active) cost += 0.5 * std::pow(catalog[entry].FromPrior(values[entry]), 2);
+    return cost;
+  };
+  FitState moved = state;
+  if (!SolveFit(cheaper, catalog, limits, stop, moved, std::move(correction)).usable) return 0.0;
+  const double fall = right.cost + of_priors(state.values) -
+                      CostAt(model, moved.values, model.frame_count()) - of_priors(moved.values);
+  if (!(fall > 0.0)) return 0.0;
+  state = std::move(moved);
+  return fall;
 }
 
 }  // namespace sonarcal::calib

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,14 @@ struct SolveSummary {
 // Moves the active entries of `state` to the nearest optimum, unless there is no usable solution. Throws
 // FitStopped if `stop` returns true.
 SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
-                      const SolveLimits& limits, const std::function<bool()>& stop, FitState& state);
+                      const SolveLimits& limits, const std::function<bool()>& stop, FitState& state,
+                      std::optional<CostCorrection> correction = std::nullopt);
+
+// Moves the active entries of `state` to the optimum of a cheaper model of the same entries, whose slope is
+// corrected to that of `model` where it starts. Along a bent valley, one such move goes as far as many steps.
+// Returns by how much the cost of `model` fell, with priors. If it did not fall, nothing moves: 0.
+double MoveByCheaperModel(const FrameModel& model, const FrameModel& cheaper,
+                          const std::vector<CatalogEntry>& catalog, const SolveLimits& limits,
+                          const std::function<bool()>& stop, FitState& state);
 
 }  // namespace sonarcal::calib

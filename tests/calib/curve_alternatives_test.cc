@@ -121,7 +121,7 @@ TEST(CurveAlternativesTest, ACurveThatTheDataShowWellIsDeterminedValueByValue) {
 TEST(CurveAlternativesTest, TheFitGoesToTheBetterOfTwoOptima) {
   // A start from which the wide Gaussian falls into the place of the cosine.
   const ParameterValues wrong = {0.03, 15.0, 1e-4, 1.5, 0.015, 40.0};
-  for (int seed = 1; seed <= 20; ++seed) {
+  for (int seed = 1; seed <= 60; ++seed) {
     const CurveModel model({.truth = kMockup, .pixels = 40, .seed = static_cast<std::uint64_t>(seed)});
     FitConfig config;
     config.free = {"materials"};

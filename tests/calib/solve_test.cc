@@ -75,5 +75,51 @@ TEST_F(BoundedSolve, NothingMovesIfBoundsStopEveryValue) {
   EXPECT_FALSE(solved.termination.empty());
 }
 
+TEST_F(BoundedSolve, ItEndsOnceNoStepIsWorthwhile) {
+  Solve({kC, kD, kE});
+  const ParameterValues best = state_.values;
+  const double cost = CostAt(model_, best, 1);
+  state_.values[kC] *= 1.01;
+  state_.values[kE] *= 1.01;
+  const double above = CostAt(model_, state_.values, 1) - cost;
+  ASSERT_GT(above, 0.0);
+  const FitState start = state_;
+  EXPECT_EQ(SolveFit(model_, catalog_, {.least_fall = 2.0 * above}, {}, state_).iterations, 0);
+  for (const int entry : state_.active) EXPECT_NEAR(state_.values[entry] / start.values[entry], 1.0, 1e-12);
+  EXPECT_GT(SolveFit(model_, catalog_, {.least_fall = 0.1 * above}, {}, state_).iterations, 0);
+  EXPECT_LT(CostAt(model_, state_.values, 1), cost + 0.1 * above);
+}
+
+// The cheaper model has other pixels of the same curve, and so another optimum. Its slope is corrected, so
+// that moves end at the optimum of the right one.
+TEST_F(BoundedSolve, MovesByACheaperModelEndAtTheRightOptimum) {
+  const testing::CurveModel cheaper{
+      {.truth = {.a = 0.1, .b_deg = 5.0, .c = 0.002, .d = 1.8, .e = 0.01, .f_deg = 11.0}, .seed = 2}};
+  Solve({kC, kD, kE});
+  const double lowest = CostAt(model_, state_.values, 1);
+  state_.values[kC] *= 1.5;
+  state_.values[kD] *= 0.8;
+  const double before = CostAt(model_, state_.values, 1);
+  double fallen = 0.0;
+  for (int move = 0; move < 3; ++move)
+    fallen += MoveByCheaperModel(model_, cheaper, catalog_, {.function_tolerance = 1e-12}, {}, state_);
+  EXPECT_NEAR(before - CostAt(model_, state_.values, 1), fallen, 1e-6 * before);
+  EXPECT_LT(CostAt(model_, state_.values, 1), lowest + 0.02);
+
+  FitState of_cheaper{.active = state_.active, .values = state_.values};
+  SolveFit(cheaper, catalog_, {.function_tolerance = 1e-12}, {}, of_cheaper);
+  EXPECT_GT(CostAt(model_, of_cheaper.values, 1), lowest + 0.2) << "without the correction";
+}
+
+TEST_F(BoundedSolve, AMoveThatRaisesTheCostIsNotMade) {
+  Solve({kC, kD, kE});
+  const ParameterValues best = state_.values;
+  // A curve of another shape and level: its corrected optimum is far from here.
+  const testing::CurveModel wrong{
+      {.truth = {.a = 0.1, .b_deg = 5.0, .c = 0.2, .d = 0.5, .e = 0.5, .f_deg = 30.0}, .seed = 3}};
+  EXPECT_GE(MoveByCheaperModel(model_, wrong, catalog_, {}, {}, state_), 0.0);
+  EXPECT_LE(CostAt(model_, state_.values, 1), CostAt(model_, best, 1) + 1e-9);
+}
+
 }  // namespace
 }  // namespace sonarcal::calib

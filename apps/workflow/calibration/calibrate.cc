@@ -661,11 +661,25 @@ class Calibrator {
     return parameters;
   }
 
+  // Frames that the forms of the model are fitted to: evenly spread, max kPixels together. Forms differ by
+  // far more than what further frames would change.
+  static std::vector<calib::GreyFrame> Some(const std::vector<calib::GreyFrame>& frames) {
+    constexpr std::size_t kPixels = 2'000'000;
+    constexpr std::size_t kMinFrames = 2;
+    const std::size_t pixels = frames.empty() ? 1 : frames.front().image.value.size();
+    const std::size_t wanted = std::max(kMinFrames, kPixels / std::max<std::size_t>(1, pixels));
+    if (frames.size() <= wanted) return frames;
+    std::vector<calib::GreyFrame> some;
+    for (std::size_t i = 0; i < wanted; ++i) some.push_back(frames[i * frames.size() / wanted]);
+    return some;
+  }
+
   // Chooses forms of the model with the placement fixed, and takes them into the plan.
   calib::ModelChoice ChooseForm(const sim::Simulator& simulator, const std::vector<calib::GreyFrame>& used,
                                 const std::vector<calib::GreyFrame>& held_out,
                                 std::vector<calib::ChoiceAxis> axes) {
-    calib::ModelChoice chosen = calib::ChooseModel(simulator, used, held_out, WithNoiseLevel(used),
+    const std::vector<calib::GreyFrame> some = Some(used);
+    calib::ModelChoice chosen = calib::ChooseModel(simulator, some, held_out, WithNoiseLevel(used),
                                                    Radiometry(), {.axes = std::move(axes), .fit = Solver()});
     const bool had_level = plan_.parameters.receiver.noise_db.has_value();
     plan_.parameters = chosen.parameters;
@@ -803,8 +817,8 @@ class Calibrator {
 
   // Options of a fit of the radiometry, which an earlier fit may have started.
   calib::FitOptions Solver() const {
-    const bool started =
-        std::ranges::any_of(plan_.fit.start, [](const auto& start) { return start.first.starts_with("material."); });
+    const bool started = std::ranges::any_of(
+        plan_.fit.start, [](const auto& start) { return start.first.starts_with("material."); });
     return started ? Near() : solver_;
   }
 

@@ -29,6 +29,7 @@ Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig&
     StartAt(Search(parameters, config, search).report, config);
     options.starts = 1;
     options.search_level = false;
+    options.near_start = true;
   }
   Trial trial;
   const std::vector<calib::AcousticFrame> frames = calib::FramesFor(used_, parameters.display);
