@@ -87,6 +87,7 @@ class Search {
       : catalog_(catalog),
         point_(point),
         stop_(stop),
+        fine_(model),
         pixels_per_cell_(model.speckle_cell().bins * model.speckle_cell().beams),
         coarse_(model.CoarseAbout(point.values, kCoarsePixels)),
         whole_(coarse_ != nullptr ? *coarse_ : model) {
@@ -108,8 +109,7 @@ class Search {
       const Eigen::MatrixXd information = Information(material, base->values);
       if (!(information.diagonal().minCoeff() > 0.0)) continue;
       std::vector<bool> open(catalog_.size(), false);
-      // The tested point may lie on a plateau, which the solver has left here.
-      if (base->cost < CostOf(point_.values) - kAlikeNats * pixels_per_cell_) better.push_back(*base);
+      if (MayBePlateau(material) && LiesLower(*base)) better.push_back(*base);
       TryExchanges(material, *base, DesignEffect(material, information), open, better);
       TryProfiles(material, *base, information, open);
       Report(material, material_names[material.material], open);
@@ -165,6 +165,21 @@ class Search {
     std::vector<bool> flags(catalog_.size(), false);
     for (const int entry : entries) flags[entry] = true;
     return flags;
+  }
+
+  // True if an amplitude or width has no effect at the tested point.
+  bool MayBePlateau(const MaterialEntries& material) const {
+    return material.inside.size() < material.free.size() || std::ranges::any_of(material.inside, [&](int k) {
+             return !(Sigma(k) < catalog_[point_.interior[k]].typical_step);
+           });
+  }
+
+  // True if the solver, which started at the tested point, has left a plateau: if blocks of pixels and all
+  // pixels agree that the cost fell.
+  bool LiesLower(const Optimum& base) const {
+    if (base.cost > CostOf(point_.values) - kAlikeNats * pixels_per_cell_) return false;
+    return coarse_ == nullptr || CostAt(fine_, base.values, fine_.frame_count()) <
+                                     CostAt(fine_, point_.values, fine_.frame_count());
   }
 
   double Sigma(int inside) const { return std::sqrt(point_.covariance(inside, inside)); }
@@ -285,6 +300,7 @@ class Search {
   const std::vector<CatalogEntry>& catalog_;
   const FittedPoint& point_;
   const std::function<bool()>& stop_;
+  const FrameModel& fine_;
   double pixels_per_cell_;
   std::unique_ptr<FrameModel> coarse_;
   const FrameModel& whole_;
