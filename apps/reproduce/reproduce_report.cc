@@ -47,7 +47,7 @@ void AddOccupancyTable(report::HtmlReport& report, const SyntheticComparison& sy
     const SyntheticDataSet& data = synthetic.data_sets[set];
     const SyntheticCase::DataSet& paper = SyntheticOf(synthetic.plan).data_sets[set];
     table.rows.push_back(
-        {{fmt::format("Data set {} (held-out frames {})", set + 1, report::FrameList(data.frames))},
+        {{fmt::format("Data set {} (held-out {})", set + 1, report::NamedFrames(data.frames))},
          report::RowStyle::kGroup});
     add("paper model, its own values (synthetic)", data.before.macro.polar, report::RowStyle::kPlain);
     add(FittedName(synthetic.fit) + " (synthetic)", data.after.macro.polar, FittedStyle(synthetic.fit));

@@ -137,10 +137,10 @@ std::string SummaryText(const workflow::RecordingFit& fit, const std::string& re
   const calib::FitReport& report = fit.fit.report;
   std::string text = fit.choice ? report::ModelChoiceText(*fit.choice) : std::string();
   for (const std::string& sentence : report.warnings) text += fmt::format("warning: {}\n", sentence);
-  text += fmt::format("{}: fitted to frames {}, evaluated on {}\n", recording,
-                      report::FrameList(report.frames_used),
-                      fit.judged_on_held_out ? "frames " + report::FrameList(report.frames_held_out)
-                                             : "the same frames, because none is held out");
+  text +=
+      fmt::format("{}: fitted to {}, evaluated on {}\n", recording, report::NamedFrames(report.frames_used),
+                  fit.judged_on_held_out ? report::NamedFrames(report.frames_held_out)
+                                         : "the same frames, because none is held out");
   const std::size_t width = NameWidth(report);
   text += CurvesText(report, fit.seen) + ParametersText(report);
   const auto add_list = [&](const char* title, const std::vector<std::string>& sentences) {

@@ -53,11 +53,10 @@ void AddModelChoice(HtmlReport& report, const calib::ModelChoice& choice) {
   report.Subsection("Choice of the model");
   const bool by_background = choice.frames_chosen_on.empty();
   report.Paragraph(
-      by_background
-          ? "Each law was fitted to and evaluated on the background of one frame."
-          : fmt::format("Each variant was fitted to the frames used, one choice after the other, "
-                        "and evaluated by the likelihood of the grey values of the held-out frames {}.",
-                        FrameList(choice.frames_chosen_on)));
+      by_background ? "Each law was fitted to and evaluated on the background of one frame."
+                    : fmt::format("Each variant was fitted to the frames used, one choice after the other, "
+                                  "and evaluated by the likelihood of the grey values of the held-out {}.",
+                                  NamedFrames(choice.frames_chosen_on)));
   Table table{.caption = by_background ? "Variants by likelihood of the background"
                                        : "Variants by likelihood of the held-out frames",
               .columns = {{"Variant"},
@@ -95,8 +94,8 @@ std::string ModelChoiceText(const calib::ModelChoice& choice) {
   }
   std::string text = choice.frames_chosen_on.empty()
                          ? std::string("choice of the display by the background of one frame\n")
-                         : fmt::format("choice of the model by the likelihood of frames {}\n",
-                                       FrameList(choice.frames_chosen_on));
+                         : fmt::format("choice of the model by the likelihood of {}\n",
+                                       NamedFrames(choice.frames_chosen_on));
   for (const calib::JudgedAxis& axis : choice.axes) {
     text += fmt::format("  {:<{}}  {:>13}  {:>19}\n", ToString(axis.axis), width + 2, "nats a pixel",
                         "behind the best");

@@ -127,10 +127,6 @@ Table StepTable(const workflow::ExplainedRecording& explained, const workflow::J
 }
 
 // Makes texts such as "frame 2" or "frames 2 and 6".
-std::string Frames(const std::vector<int>& frames) {
-  return fmt::format("frame{} {}", frames.size() == 1 ? "" : "s", FrameList(frames));
-}
-
 Waterfall WaterfallOf(const workflow::ExplainedRecording& explained, const workflow::JudgedSteps& judged,
                       std::optional<double> workflow::StepFigures::*error_of, const std::string& title) {
   const std::vector<calib::ExplainedStep>& steps = explained.explanation.steps;
@@ -207,7 +203,7 @@ std::optional<std::string> ContradictionOf(const workflow::ExplainedRecording& e
   return fmt::format(
       "'{}' makes {} {} likely ({:+.4f} +- {:.4f} nats a pixel), but the error of the median image {} by "
       "{:.4f} +- {:.4f} of full scale to {:.4f}",
-      TitleOf(explained.explanation.steps[i].part), Frames(judged.frames), likelier ? "more" : "less",
+      TitleOf(explained.explanation.steps[i].part), NamedFrames(judged.frames), likelier ? "more" : "less",
       judged.gain[i].mean, judged.gain[i].sigma, likelier ? "rises" : "falls",
       std::abs(judged.error_change[i].mean), judged.error_change[i].sigma, judged.median_error[i]);
 }
@@ -275,10 +271,10 @@ void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explai
     report.List(presentation.caveats);
   }
   for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
-    const std::string by = "by " + Frames(judged.frames) + ", which no fit saw";
-    if (presentation.apart) report.Subsection("Judged by " + Frames(judged.frames));
+    const std::string by = "by " + NamedFrames(judged.frames) + ", which no fit saw";
+    if (presentation.apart) report.Subsection("Judged by " + NamedFrames(judged.frames));
     std::string of = presentation.title.empty() ? std::string() : ": " + presentation.title;
-    if (presentation.apart) of += ", by " + Frames(judged.frames);
+    if (presentation.apart) of += ", by " + NamedFrames(judged.frames);
     const std::string known = presentation.title.empty() ? std::string() : " (" + presentation.title + ")";
     report.Add(WaterfallOf(explained, judged, &workflow::StepFigures::intensity_error,
                            "Error that remains after each part is added" + of),
@@ -421,8 +417,8 @@ std::string ExplanationText(const workflow::ExplainedRecording& explained,
   for (const std::string& sentence : WarningsOf(explained, presentation))
     text += fmt::format("warning: {}\n", sentence);
   for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
-    text +=
-        fmt::format("fitted to {}, evaluated on {}\n", Frames(explained.split.used), Frames(judged.frames));
+    text += fmt::format("fitted to {}, evaluated on {}\n", NamedFrames(explained.split.used),
+                        NamedFrames(judged.frames));
     text += TextOf(explained, judged);
   }
   text +=

@@ -204,9 +204,9 @@ std::string JudgedText(const workflow::RecordingFit& fit) {
     return "No frame was held out: the figures below are those of the fitted frames, and are too good.";
   }
   return fmt::format(
-             "The fit used frames {} and is evaluated on the held-out frames {}. {} frames are compared with "
+             "The fit used {} and is evaluated on the held-out {}. {} frames are compared with "
              "the expected image, the mean over {}, as grey levels are displayed.",
-             FrameList(fit.fit.report.frames_used), FrameList(fit.fit.report.frames_held_out),
+             NamedFrames(fit.fit.report.frames_used), NamedFrames(fit.fit.report.frames_held_out),
              RealCaption(fit.after.real_is_synthetic),
              fit.initial.model == EchoModel::kPaper ? "range and azimuth errors" : "speckle") +
          (fit.poses.empty()
@@ -216,6 +216,10 @@ std::string JudgedText(const workflow::RecordingFit& fit) {
 }
 
 }  // namespace
+
+std::string NamedFrames(const std::vector<int>& frames) {
+  return fmt::format("frame{} {}", frames.size() == 1 ? "" : "s", FrameList(frames));
+}
 
 std::string FrameList(const std::vector<int>& frames) {
   if (frames.empty()) return "none";

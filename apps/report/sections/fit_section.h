@@ -37,4 +37,7 @@ void AddFittedValues(HtmlReport& report, const workflow::RecordingFit& fit);
 // Makes texts such as "0, 1 and 2"; "none" for an empty list.
 std::string FrameList(const std::vector<int>& frames);
 
+// As above, after "frame" or "frames".
+std::string NamedFrames(const std::vector<int>& frames);
+
 }  // namespace sonarcal::report
