@@ -152,7 +152,7 @@ TEST_F(FitCommand, TheReportShowsBeforeAndAfter) {
   const std::string html = testing::ReadFile(world_ / "out/report.html");
   EXPECT_EQ(testing::HtmlFault(html), "");
   for (const char* part : {"before the fit", "after the fit", "Gauge", "material.box.gsab.C", "<svg",
-                           "evaluated on the held-out frames", "Both sides are synthetic", "Truth"}) {
+                           "evaluated on the held-out frame 3.", "Both sides are synthetic", "Truth"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
   EXPECT_LT(html.find("Backscatter curves"), html.find("material.box.gsab.C")) << "the curve comes first";
