@@ -194,13 +194,19 @@ class Fitter {
 
   // Solves by the pixels. After a few steps, curves and receiver move by blocks of pixels in between.
   bool SolveToEnd() {
-    SolveLimits few = Limits();
-    few.max_iterations = std::min(few.max_iterations, kStepsBetweenMoves);
+    const int before = report_.iterations;
+    SolveLimits limits = Limits();
+    const auto solve = [&](int max_iterations) {
+      const int left = std::max(1, options_.max_iterations - (report_.iterations - before));
+      limits.max_iterations = std::min(max_iterations, left);
+      return Solve(model_, limits);
+    };
     std::unique_ptr<FrameModel> coarse;
     for (int move = 0; model_.IsLikelihood() && move < kMovesByBlocks; ++move) {
-      const int before = report_.iterations;
-      if (!Solve(model_, few)) return false;
-      if (report_.iterations - before < few.max_iterations) return true;
+      const int start = report_.iterations;
+      if (!solve(kStepsBetweenMoves)) return false;
+      if (report_.iterations - start < limits.max_iterations) return true;
+      if (report_.iterations - before >= options_.max_iterations) return true;
       if (coarse == nullptr) coarse = model_.CoarseAbout(state_.values, kStartPixels);
       if (coarse == nullptr) break;
       FitState radiometry{.active = {}, .values = state_.values};
@@ -211,7 +217,7 @@ class Fitter {
       state_.values = radiometry.values;
       if (fall < PixelsPerCell()) break;
     }
-    return Solve(model_, Limits());
+    return solve(options_.max_iterations);
   }
 
   bool Solve(const FrameModel& model, const SolveLimits& limits) {
