@@ -126,11 +126,12 @@ class RecordingExplainer {
     for (std::size_t f = 0; f < held_out_.size(); ++f) {
       const Pose& pose = step.poses_held_out[f];
       const std::vector<PingPose>& pings = held_out_[f].pings;
-      images.push_back(pings.empty()
-                           ? simulator_->RenderEchoes(simulator_->TraceEchoes(pose), step.parameters,
-                                                      held_out_[f].index,
-                                                      simulator_->TraceGhosts(pose, step.parameters))
-                           : simulator_->RenderPings(pose, pings, step.parameters, held_out_[f].index));
+      images.push_back(
+          pings.empty()
+              ? simulator_->RenderEchoes(simulator_->TraceEchoes(pose), step.parameters,
+                                         kFirstSample + held_out_[f].index,
+                                         simulator_->TraceGhosts(pose, step.parameters))
+              : simulator_->RenderPings(pose, pings, step.parameters, kFirstSample + held_out_[f].index));
       const double factor = held_out_[f].image.scale.full_scale / images.back().scale.full_scale;
       for (float& value : images.back().value.values()) value = static_cast<float>(value * factor);
       images.back().scale = held_out_[f].image.scale;

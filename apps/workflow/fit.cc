@@ -391,7 +391,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
           recording,
           [&, draw](int frame) {
             const Pose& pose = from[frame].world_from_sonar;
-            const int seed = frame + draw * recording.frame_count();
+            const int seed = kFirstSample + frame + draw * recording.frame_count();
             if (const std::vector<PingPose> pings = pings_of(from[frame]); !pings.empty())
               return with.RenderPings(pose, pings, parameters, seed);
             return with.RenderEchoes(with.TraceEchoes(pose), parameters, seed,

@@ -12,6 +12,10 @@
 
 namespace sonarcal::workflow {
 
+// Index of the first frame drawn as a sample of a fitted model. `simulate` numbers frames from 0, with the
+// same default seed: a sample of the same index would share the speckle of a synthetic recording.
+inline constexpr int kFirstSample = 1'000'000'000;
+
 // Throws DataError if the recording holds no grey levels or if the model of `initial` cannot be fitted to it.
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
                    const FitRecordingOptions& options);
