@@ -18,8 +18,8 @@ TEST(SampleSpeckle, ASampleDiffersFromTheRecordingAsTwoSamplesDo) {
   simulate.noise = true;
   const std::unique_ptr<MemoryRecording> recording =
       Simulate(testing::SmallTank(),
-               {.sonar = testing::SmallSonar(), .water = Water{.salinity_ppt = 0.5}, .input = {}}, truth, poses,
-               simulate);
+               {.sonar = testing::SmallSonar(), .water = Water{.salinity_ppt = 0.5}, .input = {}}, truth,
+               poses, simulate);
   FitOptions options;
   options.free = {"receiver.noise_db"};
   options.trust_all = true;
