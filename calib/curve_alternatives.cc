@@ -156,9 +156,7 @@ class Search {
 
   // With priors.
   double CostOf(const ParameterValues& values) const {
-    double cost = CostAt(*model_, values, model_->frame_count());
-    for (const int entry : point_.free) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
-    return cost;
+    return CostAt(*model_, values, model_->frame_count()) + CostOfPriors(catalog_, point_.free, values);
   }
 
   std::vector<bool> Flags(const std::vector<int>& entries) const {

@@ -110,11 +110,7 @@ class Stepper {
   }
 
  private:
-  double OfPriors(const ParameterValues& values) const {
-    double cost = 0.0;
-    for (const int entry : active_) cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
-    return cost;
-  }
+  double OfPriors(const ParameterValues& values) const { return CostOfPriors(catalog_, active_, values); }
 
   // Directions in which the cost is a sum of parabolas, in units of the prior sigmas.
   struct Directions {

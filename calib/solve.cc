@@ -5,7 +5,6 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -172,15 +171,11 @@ double MoveByCheaperModel(const FrameModel& model, const FrameModel& cheaper,
     const double step = entry.prior ? entry.prior->sigma : entry.typical_step;
     correction.weight(k, k) += kDamping / (step * step);
   }
-  const auto of_priors = [&](const ParameterValues& values) {
-    double cost = 0.0;
-    for (const int entry : state.active) cost += 0.5 * std::pow(catalog[entry].FromPrior(values[entry]), 2);
-    return cost;
-  };
   FitState moved = state;
   if (!SolveFit(cheaper, catalog, limits, stop, moved, std::move(correction)).usable) return 0.0;
-  const double fall = right.cost + of_priors(state.values) -
-                      CostAt(model, moved.values, model.frame_count()) - of_priors(moved.values);
+  const double fall = right.cost + CostOfPriors(catalog, state.active, state.values) -
+                      CostAt(model, moved.values, model.frame_count()) -
+                      CostOfPriors(catalog, moved.active, moved.values);
   if (!(fall > 0.0)) return 0.0;
   state = std::move(moved);
   return fall;

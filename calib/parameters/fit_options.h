@@ -25,7 +25,7 @@ struct FitOptions {
   int joint_steps = 20;     // max number of steps of placements and curves together, each traced
   bool near_start = false;  // placements start near their best values: leaves out searches
   bool rough = false;       // ends after the starts, with values but no sigmas, for a fit in rounds
-  bool standard_errors = true;  // false: values alone, as a likelihood's search for a start needs them
+  bool standard_errors = true;  // false: a likelihood's fit gives values without standard errors
   // Weights of frames of one pose, per frame and pixel, from an earlier fit to the same pixels. Costs of two
   // fits are comparable only with equal weights. Empty: the fit computes its own weights.
   std::vector<std::vector<float>> repeat_shares = {};

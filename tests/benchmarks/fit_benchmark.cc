@@ -121,7 +121,7 @@ void FitBesideTracing(benchmark::State& state) {
     state.counters["solve_over_trace"] = (solved - gathered) / (traced - start);
     state.counters["gather_over_trace"] = (gathered - traced) / (traced - start);
     // Preparation without its tracing, and the fit.
-    state.counters["rest_over_trace"] = (solved - traced) / (traced - start) - 1.0;
+    state.counters["rest_over_trace"] = (solved_cpu - traced_cpu) / (traced_cpu - start_cpu) - 1.0;
     state.counters["limit"] = 0.5;
     state.counters["trace_processor_s"] = traced_cpu - start_cpu;
     state.counters["gather_processor_s"] = gathered_cpu - traced_cpu;
