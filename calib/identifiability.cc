@@ -5,9 +5,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -79,7 +81,63 @@ std::string KnownAllTheSame(const Eigen::MatrixXd& covariance,
   return fmt::format("only {} is known, to {:.2g}", text, sigma);
 }
 
+// Inverse of the information with priors. Parameters differ by many orders of magnitude, so it is the inverse
+// of a matrix with unit diagonal, with the factors of its rows and columns.
+struct Inverse {
+  Eigen::VectorXd scale;
+  Eigen::MatrixXd scaled;
+
+  Eigen::MatrixXd full() const { return scale.asDiagonal() * scaled * scale.asDiagonal(); }
+};
+
+Inverse InverseWithPriors(const NormalEquations& equations) {
+  Eigen::MatrixXd information = equations.information;
+  if (equations.prior.size() > 0) information.diagonal() += equations.prior;
+  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd unit = scale.asDiagonal() * information * scale.asDiagonal();
+  return {.scale = scale, .scaled = unit.ldlt().solve(Eigen::MatrixXd::Identity(unit.rows(), unit.cols()))};
+}
+
+// Returns the block without one parameter; those behind it move up.
+NormalEquations::Block Without(const NormalEquations::Block& block, int parameter) {
+  std::vector<int> kept;
+  NormalEquations::Block without;
+  for (std::size_t k = 0; k < block.columns.size(); ++k) {
+    const int column = block.columns[k];
+    if (column == parameter) continue;
+    kept.push_back(static_cast<int>(k));
+    without.columns.push_back(column < parameter ? column : column - 1);
+  }
+  without.information = block.information(kept, kept);
+  without.score = block.score(kept);
+  return without;
+}
+
 }  // namespace
+
+void AddBlock(const NormalEquations::Block& added, NormalEquations::Block& block) {
+  if (added.columns != block.columns) {
+    std::vector<int> all;
+    std::ranges::set_union(added.columns, block.columns, std::back_inserter(all));
+    const auto size = static_cast<Eigen::Index>(all.size());
+    NormalEquations::Block sum{.columns = all,
+                               .information = Eigen::MatrixXd::Zero(size, size),
+                               .score = Eigen::VectorXd::Zero(size)};
+    const auto add = [&](const NormalEquations::Block& part) {
+      std::vector<int> places;
+      for (const int column : part.columns)
+        places.push_back(static_cast<int>(std::ranges::lower_bound(all, column) - all.begin()));
+      sum.information(places, places) += part.information;
+      sum.score(places) += part.score;
+    };
+    add(added);
+    add(block);
+    block = std::move(sum);
+    return;
+  }
+  block.information += added.information;
+  block.score += added.score;
+}
 
 NormalEquations HoldParameter(const NormalEquations& equations, int parameter) {
   std::vector<int> kept;
@@ -89,10 +147,7 @@ NormalEquations HoldParameter(const NormalEquations& equations, int parameter) {
   NormalEquations held = equations;
   held.information = equations.information(kept, kept);
   if (equations.prior.size() > 0) held.prior = equations.prior(kept);
-  for (std::size_t i = 0; i < equations.blocks.size(); ++i) {
-    held.blocks[i].information = equations.blocks[i].information(kept, kept);
-    held.blocks[i].score = equations.blocks[i].score(kept);
-  }
+  for (NormalEquations::Block& block : held.blocks) block = Without(block, parameter);
   for (Eigen::VectorXd& score : held.numerical) score = Eigen::VectorXd(score(kept));
   return held;
 }
@@ -122,28 +177,30 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
   const Eigen::Index n = equations.information.rows();
-  Eigen::MatrixXd information = equations.information;
-  if (equations.prior.size() > 0) information.diagonal() += equations.prior;
-  // Scales to a unit diagonal first, because parameters differ by many orders of magnitude.
-  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const auto solve = [&](const Eigen::MatrixXd& of, const auto& right) {
-    const Eigen::MatrixXd scaled = scale.asDiagonal() * of * scale.asDiagonal();
-    return Eigen::MatrixXd(scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * right));
-  };
+  const Inverse inverse = InverseWithPriors(equations);
+  // Without block b, whose rows and columns E are few: (A - E B E^T)^-1 E s = A^-1 E (I - B E^T A^-1 E)^-1 s.
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (const NormalEquations::Block& block : equations.blocks) {
-    const Eigen::VectorXd change = solve(information - block.information, block.score);
-    covariance += change * change.transpose();
+    const std::vector<int>& columns = block.columns;
+    const Eigen::VectorXd scale = inverse.scale(columns);
+    const auto m = static_cast<Eigen::Index>(columns.size());
+    const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(m, m) - scale.asDiagonal() * block.information *
+                                                                       scale.asDiagonal() *
+                                                                       inverse.scaled(columns, columns);
+    const Eigen::VectorXd score = left.partialPivLu().solve(scale.cwiseProduct(block.score));
+    const Eigen::VectorXd change = inverse.scaled(Eigen::all, columns) * score;
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(change);
   }
+  covariance = inverse.scale.asDiagonal() * Eigen::MatrixXd(covariance.selfadjointView<Eigen::Lower>()) *
+               inverse.scale.asDiagonal();
   const double count = static_cast<double>(equations.blocks.size());
   covariance *= equations.variance_factor * (count - 1.0) / count;
   if (equations.prior.size() > 0) {
-    const Eigen::MatrixXd of_prior =
-        solve(information, Eigen::MatrixXd(equations.prior.cwiseSqrt().asDiagonal()));
+    const Eigen::MatrixXd of_prior = inverse.full() * equations.prior.cwiseSqrt().asDiagonal();
     covariance += of_prior * of_prior.transpose();
   }
   for (const Eigen::VectorXd& score : equations.numerical) {
-    const Eigen::VectorXd change = solve(information, score);
+    const Eigen::VectorXd change = inverse.full() * score;
     covariance += change * change.transpose();
   }
   return covariance;
@@ -153,15 +210,12 @@ Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
   constexpr double kMin = 2.0;  // degrees of freedom
   constexpr double z = 1.959964;
   const Eigen::Index n = equations.information.rows();
-  Eigen::MatrixXd information = equations.information;
-  if (equations.prior.size() > 0) information.diagonal() += equations.prior;
-  const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::MatrixXd inverse = scale.asDiagonal() * Eigen::MatrixXd(scaled.inverse()) * scale.asDiagonal();
+  const Eigen::MatrixXd inverse = InverseWithPriors(equations).full();
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(n);
   Eigen::VectorXd square = Eigen::VectorXd::Zero(n);
   for (const NormalEquations::Block& block : equations.blocks) {
-    const Eigen::VectorXd share = (inverse * block.information).cwiseProduct(inverse).rowwise().sum();
+    const Eigen::MatrixXd columns = inverse(Eigen::all, block.columns);
+    const Eigen::VectorXd share = (columns * block.information).cwiseProduct(columns).rowwise().sum();
     sum += share;
     square += share.cwiseAbs2();
   }

@@ -14,7 +14,8 @@ namespace sonarcal::calib {
 // share noise (speckle cells, range and azimuth errors) and are therefore not independent.
 struct NormalEquations {
   struct Block {
-    Eigen::MatrixXd information;  // J_b^T J_b
+    std::vector<int> columns;     // parameters that its residuals depend on, ascending
+    Eigen::MatrixXd information;  // J_b^T J_b of these columns
     Eigen::VectorXd score;        // J_b^T r_b
   };
   Eigen::MatrixXd information;  // J^T J
@@ -28,6 +29,9 @@ struct NormalEquations {
   double residual_square = 0.0;
   long residual_count = 0;
 };
+
+// Adds the sums of another block, which may depend on other parameters.
+void AddBlock(const NormalEquations::Block& added, NormalEquations::Block& block);
 
 // Returns the sums of the problem with one parameter fixed.
 NormalEquations HoldParameter(const NormalEquations& equations, int parameter);

@@ -142,14 +142,20 @@ class BlockRows {
 };
 
 // Indices of the active entries that a frame depends on.
-std::vector<Eigen::Index> ColumnsOf(int frame, const std::vector<CatalogEntry>& catalog,
-                                    const FitState& state) {
-  std::vector<Eigen::Index> columns;
+std::vector<int> ColumnsOf(int frame, const std::vector<CatalogEntry>& catalog, const FitState& state) {
+  std::vector<int> columns;
   for (std::size_t k = 0; k < state.active.size(); ++k) {
     const CatalogEntry& entry = catalog[state.active[k]];
-    if (entry.frame < 0 || entry.frame == frame) columns.push_back(static_cast<Eigen::Index>(k));
+    if (entry.frame < 0 || entry.frame == frame) columns.push_back(static_cast<int>(k));
   }
   return columns;
+}
+
+// State with these of its active entries alone.
+FitState WithColumns(const FitState& state, const std::vector<int>& columns) {
+  FitState of{.active = {}, .values = state.values};
+  for (const int k : columns) of.active.push_back(state.active[k]);
+  return of;
 }
 
 // Prior of the active entries.
@@ -235,7 +241,7 @@ class FitProblem::FrameCost final : public ceres::CostFunction {
         state_(state),
         frame_(frame),
         columns_(ColumnsOf(frame, catalog, state)) {
-    for (const Eigen::Index k : columns_) mine_.active.push_back(state.active[k]);
+    mine_ = WithColumns(state, columns_);
     set_num_residuals(static_cast<int>(columns_.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(state.active.size()));
   }
@@ -296,8 +302,8 @@ class FitProblem::FrameCost final : public ceres::CostFunction {
   mutable std::optional<FrameSums> sums_;  // at this point
   mutable std::vector<double> point_;
   mutable bool differentiated_ = false;
-  std::vector<Eigen::Index> columns_;  // of the entries that it depends on, among all active ones
-  FitState mine_;                      // with these active entries only
+  std::vector<int> columns_;  // of the entries that it depends on, among all active ones
+  FitState mine_;             // with these active entries only
 };
 
 FitProblem::FitProblem(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
@@ -405,12 +411,11 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   double sum = 0.0;
   std::map<int, std::vector<NormalEquations::Block>> of_pose;
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    const std::vector<Eigen::Index> columns = ColumnsOf(frame, catalog, state);
-    std::vector<int> active;
-    for (const Eigen::Index k : columns) active.push_back(state.active[k]);
+    const std::vector<int> columns = ColumnsOf(frame, catalog, state);
+    const FitState of_frame = WithColumns(state, columns);
     const auto m = static_cast<Eigen::Index>(columns.size());
     const Eigen::VectorXd of_columns = value_slope(columns);
-    const auto evaluation = model.At(frame, state.values, active, FrameModel::Terms::kInformation);
+    const auto evaluation = model.At(frame, state.values, of_frame.active, FrameModel::Terms::kInformation);
     SONARCAL_CHECK(evaluation != nullptr, "the model gives no value here");
     std::vector<Band> bands((model.range_bins() + block_bins - 1) / block_bins);
     ForBands(model.range_bins(), block_bins, [&](int band_idx, int first, int last) {
@@ -437,12 +442,10 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
         RowMajor information = RowMajor::Zero(m, m);
         Eigen::VectorXd score = Eigen::VectorXd::Zero(m);
         rows.AddTo(information, score);
-        NormalEquations::Block block{.information = Eigen::MatrixXd::Zero(n, n),
-                                     .score = Eigen::VectorXd::Zero(n)};
         const Eigen::MatrixXd full = information.selfadjointView<Eigen::Lower>();
-        block.information(columns, columns) = of_columns.asDiagonal() * full * of_columns.asDiagonal();
-        block.score(columns) = of_columns.cwiseProduct(score);
-        band.blocks.push_back(std::move(block));
+        band.blocks.push_back({.columns = columns,
+                               .information = of_columns.asDiagonal() * full * of_columns.asDiagonal(),
+                               .score = of_columns.cwiseProduct(score)});
       }
     });
     std::vector<NormalEquations::Block> blocks;
@@ -451,7 +454,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
       equations.residual_square += band.square;
       equations.residual_count += band.count;
       for (NormalEquations::Block& block : band.blocks) {
-        equations.information += block.information;
+        equations.information(columns, columns) += block.information;
         blocks.push_back(std::move(block));
       }
     }
@@ -461,10 +464,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
       shared = std::move(blocks);
       continue;
     }
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      shared[i].information += blocks[i].information;
-      shared[i].score += blocks[i].score;
-    }
+    for (std::size_t i = 0; i < blocks.size(); ++i) AddBlock(blocks[i], shared[i]);
   }
   for (auto& [frame, blocks] : of_pose) {
     for (NormalEquations::Block& block : blocks) {
@@ -485,10 +485,8 @@ CostSlopes SlopesOfCost(const FrameModel& model, const std::vector<CatalogEntry>
   const auto n = static_cast<Eigen::Index>(state.active.size());
   CostSlopes slopes{.information = Eigen::MatrixXd::Zero(n, n), .gradient = Eigen::VectorXd::Zero(n)};
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    const std::vector<Eigen::Index> columns = ColumnsOf(frame, catalog, state);
-    FitState of_frame{.active = {}, .values = state.values};
-    for (const Eigen::Index k : columns) of_frame.active.push_back(state.active[k]);
-    const auto sums = SumFrame(model, catalog, of_frame, frame, true);
+    const std::vector<int> columns = ColumnsOf(frame, catalog, state);
+    const auto sums = SumFrame(model, catalog, WithColumns(state, columns), frame, true);
     SONARCAL_CHECK(sums.has_value(), "the model gives no value here");
     slopes.information(columns, columns) += sums->information;
     slopes.gradient(columns) += sums->gradient;
@@ -501,10 +499,13 @@ std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameMod
                                          const std::vector<CatalogEntry>& catalog, const FitState& state) {
   std::map<int, Eigen::VectorXd> of_pose;  // frames of one pose have the same rays
   for (int frame = 0; frame < model.frame_count(); ++frame) {
-    const auto sums = SumFrame(model, catalog, state, frame, true);
-    const auto others = SumFrame(by_other_rays, catalog, state, frame, true);
+    const std::vector<int> columns = ColumnsOf(frame, catalog, state);
+    const FitState of_frame = WithColumns(state, columns);
+    const auto sums = SumFrame(model, catalog, of_frame, frame, true);
+    const auto others = SumFrame(by_other_rays, catalog, of_frame, frame, true);
     SONARCAL_CHECK(sums && others, "the model gives no value here");
-    const Eigen::VectorXd error = (sums->gradient - others->gradient) / std::numbers::sqrt2;
+    Eigen::VectorXd error = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(state.active.size()));
+    error(columns) = (sums->gradient - others->gradient) / std::numbers::sqrt2;
     const auto [found, added] = of_pose.try_emplace(model.first_of_pose(frame), error);
     if (!added) found->second += error;
   }

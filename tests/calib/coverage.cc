@@ -234,7 +234,8 @@ class Study {
   // Of one step of Fisher scoring from the truth.
   Eigen::VectorXd LinearError(const calib::ParameterValues& prior_centre) const {
     Eigen::VectorXd gradient = -prior_.cwiseProduct(FromTruth(prior_centre));
-    for (const calib::NormalEquations::Block& block : EquationsAtTruth().blocks) gradient += block.score;
+    for (const calib::NormalEquations::Block& block : EquationsAtTruth().blocks)
+      gradient(block.columns) += block.score;
     return -bound_ * gradient;
   }
 

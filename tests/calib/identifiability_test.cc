@@ -6,6 +6,8 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include <boost/math/distributions/students_t.hpp>
+
 namespace sonarcal::calib {
 namespace {
 
@@ -15,7 +17,7 @@ NormalEquations Line(const std::vector<double>& x, const std::vector<double>& re
   equations.information = Eigen::MatrixXd::Zero(2, 2);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Eigen::Vector2d row(1.0, x[i]);
-    equations.blocks.push_back({row * row.transpose(), residual[i] * row});
+    equations.blocks.push_back({{0, 1}, row * row.transpose(), residual[i] * row});
     equations.information += row * row.transpose();
     equations.residual_square += residual[i] * residual[i];
     ++equations.residual_count;
@@ -54,6 +56,64 @@ TEST(JackknifeCovarianceTest, IsTheDeleteOneJackknifeOfAStraightLine) {
   }
   by_hand *= 11.0 / 12.0;
   EXPECT_TRUE(JackknifeCovariance(Line(x, residual)).isApprox(by_hand, 1e-9));
+}
+
+// Blocks that depend on few of the parameters each, against the whole matrices without one block each.
+TEST(JackknifeCovarianceTest, IsThatOfWholeMatricesIfBlocksDependOnFewParameters) {
+  constexpr int kCount = 5;
+  std::mt19937 generator(11);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] { return normal(generator); };
+  NormalEquations equations;
+  equations.information = Eigen::MatrixXd::Zero(kCount, kCount);
+  equations.prior = Eigen::VectorXd::Constant(kCount, 0.3);
+  std::vector<Eigen::MatrixXd> whole;
+  std::vector<Eigen::VectorXd> scores;
+  const std::vector<std::vector<int>> columns = {{0, 1, 2},       {0, 3}, {1, 3, 4},
+                                                 {0, 1, 2, 3, 4}, {2, 4}, {0, 1}};
+  for (const std::vector<int>& of : columns) {
+    const auto m = static_cast<Eigen::Index>(of.size());
+    const Eigen::MatrixXd rows = Eigen::MatrixXd::NullaryExpr(7, m, draw);
+    const Eigen::VectorXd residual = Eigen::VectorXd::NullaryExpr(7, draw);
+    equations.blocks.push_back({of, rows.transpose() * rows, rows.transpose() * residual});
+    whole.emplace_back(Eigen::MatrixXd::Zero(kCount, kCount));
+    whole.back()(of, of) = equations.blocks.back().information;
+    scores.emplace_back(Eigen::VectorXd::Zero(kCount));
+    scores.back()(of) = equations.blocks.back().score;
+    equations.information += whole.back();
+  }
+  const Eigen::MatrixXd prior = equations.prior.asDiagonal();
+  const Eigen::MatrixXd inverse = (equations.information + prior).inverse();
+  Eigen::MatrixXd by_hand = Eigen::MatrixXd::Zero(kCount, kCount);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(kCount);
+  Eigen::VectorXd square = sum;
+  for (std::size_t b = 0; b < whole.size(); ++b) {
+    const Eigen::VectorXd change = (equations.information + prior - whole[b]).inverse() * scores[b];
+    by_hand += change * change.transpose();
+    const Eigen::VectorXd share = (inverse * whole[b] * inverse).diagonal();
+    sum += share;
+    square += share.cwiseAbs2();
+  }
+  const double count = static_cast<double>(whole.size());
+  by_hand *= (count - 1.0) / count;
+  by_hand += inverse * prior * inverse;
+  EXPECT_TRUE(JackknifeCovariance(equations).isApprox(by_hand, 1e-9));
+  const Eigen::VectorXd factors = StudentFactors(equations);
+  for (int i = 0; i < kCount; ++i) {
+    const double freedom = sum(i) * sum(i) / square(i);
+    ASSERT_GT(freedom, 2.0);
+    const double quantile = boost::math::quantile(boost::math::students_t(freedom), 0.975);
+    EXPECT_NEAR(factors(i), quantile / 1.959964, 0.05) << freedom << " degrees of freedom";
+  }
+}
+
+TEST(AddBlockTest, SumsBlocksOfDifferentParameters) {
+  NormalEquations::Block block{{0, 2}, Eigen::Matrix2d{{1.0, 2.0}, {2.0, 3.0}}, Eigen::Vector2d(4.0, 5.0)};
+  AddBlock({{1, 2}, Eigen::Matrix2d{{10.0, 20.0}, {20.0, 30.0}}, Eigen::Vector2d(40.0, 50.0)}, block);
+  EXPECT_THAT(block.columns, ::testing::ElementsAre(0, 1, 2));
+  const Eigen::Matrix3d sum{{1.0, 0.0, 2.0}, {0.0, 10.0, 20.0}, {2.0, 20.0, 33.0}};
+  EXPECT_TRUE(block.information.isApprox(sum)) << block.information;
+  EXPECT_TRUE(block.score.isApprox(Eigen::Vector3d(4.0, 40.0, 55.0))) << block.score;
 }
 
 TEST(JackknifeCovarianceTest, WidensWhatComesFromBlocksAndNotThePrior) {
