@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calib/fit_report.h"
-#include "calib/models/paper_frame_model.h"
+#include "calib/paper/paper_frame_model.h"
 
 namespace sonarcal::calib {
 

@@ -2,7 +2,7 @@
 //
 // The model is a FrameModel (calib/models/frame_model.h): the paper's or the acoustic one. FitPaperModel fits
 // the paper's model. Its residual is the expected recorded value minus the recorded one
-// (calib/models/paper_likelihood.h), in units of the noise that the frames show. Its frames are echo
+// (calib/paper/paper_likelihood.h), in units of the noise that the frames show. Its frames are echo
 // histograms, so a fit of materials casts no ray. calib/acoustic_fit.h fits the acoustic model.
 //
 // Standard errors come from a sandwich covariance over blocks of pixels. The plain least-squares covariance
@@ -24,7 +24,7 @@
 
 #include "calib/fit_report.h"
 #include "calib/models/frame_model.h"
-#include "calib/models/paper_frame_model.h"
+#include "calib/paper/paper_frame_model.h"
 #include "calib/parameters/fit_config.h"
 #include "calib/parameters/fit_options.h"
 

@@ -251,13 +251,11 @@ class FitProblem::FrameCost final : public ceres::CostFunction {
     all.SetCoordinates(catalog_, {blocks[0], blocks[0] + state_.active.size()});
     const FitState state{.active = mine_.active, .values = std::move(all.values)};
     const bool derivatives = jacobians != nullptr && jacobians[0] != nullptr;
-    // The solver tries a step first and asks for derivatives if it was good. If they are cheap, they are
-    // computed at once and kept.
-    const bool differentiate = derivatives || model_.DerivativesAreCheap();
+    // The solver tries a step first and asks for derivatives if it was good. They cost little more than the
+    // residuals alone, so they are computed at once and kept.
     const std::vector<double> point(blocks[0], blocks[0] + state_.active.size());
-    if (!sums_ || point != point_ || (derivatives && !differentiated_)) {
-      sums_ = SumFrame(model_, catalog_, state, frame_, differentiate);
-      differentiated_ = differentiate;
+    if (!sums_ || point != point_) {
+      sums_ = SumFrame(model_, catalog_, state, frame_, true);
       point_ = point;
     }
     const auto& sums = sums_;
@@ -286,9 +284,9 @@ class FitProblem::FrameCost final : public ceres::CostFunction {
     return true;
   }
 
-  // Adds gradient and information at this point. Returns false if they are not known there.
+  // Adds gradient and information at this point. Returns false if it was not evaluated last.
   bool AddSlopes(const std::vector<double>& point, CostSlopes& slopes) const {
-    if (!sums_ || !differentiated_ || point != point_) return false;
+    if (!sums_ || point != point_) return false;
     slopes.information(columns_, columns_) += sums_->information;
     slopes.gradient(columns_) += sums_->gradient;
     return true;
@@ -301,7 +299,6 @@ class FitProblem::FrameCost final : public ceres::CostFunction {
   int frame_;
   mutable std::optional<FrameSums> sums_;  // at this point
   mutable std::vector<double> point_;
-  mutable bool differentiated_ = false;
   std::vector<int> columns_;  // of the entries that it depends on, among all active ones
   FitState mine_;             // with these active entries only
 };

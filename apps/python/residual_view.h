@@ -14,7 +14,7 @@ namespace sonarcal::python {
 
 // Residuals of a frame at given values. Half the square of the acoustic model's residual is the negative
 // log-likelihood of speckle. The residual of the paper's model is the difference expected - recorded
-// in full scales; after WeighAbout it is that of calib/models/paper_likelihood.h.
+// in full scales; after WeighAbout it is that of calib/paper/paper_likelihood.h.
 struct FrameResiduals {
   PolarImage expected;  // on the recording's grey scale
   PolarImage recorded;

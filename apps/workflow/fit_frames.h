@@ -7,7 +7,7 @@
 
 #include "apps/workflow/fit.h"
 #include "calib/models/acoustic_frame_model.h"
-#include "calib/models/paper_frame_model.h"
+#include "calib/paper/paper_frame_model.h"
 #include "calib/selection/held_out_likelihood.h"
 
 namespace sonarcal::workflow {

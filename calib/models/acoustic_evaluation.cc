@@ -1,12 +1,11 @@
 #include "calib/models/acoustic_evaluation.h"
 
-#include <ceres/jet.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "calib/models/curve_table.h"
 #include "calib/models/pixel_math.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -19,11 +18,6 @@ namespace {
 constexpr std::size_t kAtOnce = 64;  // pixels; their sums stay in the first-level cache
 constexpr double kMaxGrowth = 3.0;   // max growth of an echo for which its slope holds, nepers of power
 
-GsabParameters<ceres::Jet<double, sim::kCurveTerms - 1>> AsDuals(const GsabParameters<double>& g) {
-  using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
-  return {Dual(g.a, 0), Dual(g.b_deg, 1), Dual(g.c, 2), Dual(g.d, 3), Dual(g.e, 4), Dual(g.f_deg, 5)};
-}
-
 std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::vector<std::string>& names) {
   std::vector<double> table;
   for (const std::string& name : names) AppendCurve(parameters.materials.at(name).gsab, table);
@@ -33,20 +27,14 @@ std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::ve
 // As TabulateCurves, for the two parts of each material, one after the other
 // (sim/gathered/ghost_echoes.h). A node of the slow part is the angle of a mean cosine.
 std::vector<double> TabulateParts(const ParameterSet& parameters, const std::vector<std::string>& names) {
-  using Dual = ceres::Jet<double, sim::kCurveTerms - 1>;
   const std::vector<double>& nodes_deg = sim::CoarseIncidenceDeg();
-  std::vector<double> table(names.size() * sim::kCurveParts * nodes_deg.size() * sim::kCurveStride, 0.0);
-  double* at = table.data();
-  const auto put = [&](const Dual& power) {
-    at[0] = power.a;
-    std::copy(power.v.begin(), power.v.end(), at + 1);
-    at += sim::kCurveStride;
-  };
+  std::vector<double> table;
   for (const std::string& name : names) {
-    const GsabParameters<Dual> gsab = AsDuals(parameters.materials.at(name).gsab);
-    for (const double node_deg : nodes_deg) put(sim::GsabPeaksPower(gsab, node_deg));
+    const GsabParameters<CurveDual> gsab = WithDerivatives(parameters.materials.at(name).gsab);
+    for (const double node_deg : nodes_deg) AppendNode(sim::GsabPeaksPower(gsab, node_deg), table);
     for (const double node_deg : nodes_deg) {
-      put(node_deg < 90.0 ? sim::GsabSlowPower(gsab, std::cos(RadFromDeg(node_deg))) : Dual(0.0));
+      AppendNode(node_deg < 90.0 ? sim::GsabSlowPower(gsab, std::cos(RadFromDeg(node_deg))) : CurveDual(0.0),
+                 table);
     }
   }
   return table;
@@ -67,13 +55,8 @@ std::vector<double> PassedByWays(const ParameterSet& parameters, const std::vect
 }  // namespace
 
 void AppendCurve(const GsabParameters<double>& gsab, std::vector<double>& table) {
-  const auto duals = AsDuals(gsab);
-  for (const double node_deg : sim::CoarseIncidenceDeg()) {
-    const auto power = sim::GsabPower(duals, node_deg);
-    table.push_back(power.a);
-    table.insert(table.end(), power.v.begin(), power.v.end());
-    table.resize(table.size() + sim::kCurveStride - sim::kCurveTerms, 0.0);
-  }
+  const GsabParameters<CurveDual> duals = WithDerivatives(gsab);
+  for (const double node_deg : sim::CoarseIncidenceDeg()) AppendNode(sim::GsabPower(duals, node_deg), table);
 }
 
 AcousticEvaluation::AcousticEvaluation(const AcousticState& state, const FrameEchoes& echoes,

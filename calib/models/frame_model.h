@@ -72,9 +72,6 @@ class FrameModel {
   // be weighed against it.
   virtual bool IsLikelihood() const = 0;
 
-  // Returns true if derivatives cost little more than the residuals alone.
-  virtual bool DerivativesAreCheap() const { return true; }
-
   // Outputs besides the residuals: none; derivatives for a solver (slope, and Jacobian by the entries
   // `active` of the catalog); or also information.
   enum class Terms { kResiduals, kDerivatives, kInformation };

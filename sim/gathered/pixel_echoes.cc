@@ -16,24 +16,6 @@
 namespace sonarcal::sim {
 namespace {
 
-// Share of a fine node between two coarse nodes.
-struct NodeShare {
-  int node = 0;  // this node and the next
-  double of_next = 0.0;
-};
-
-std::array<NodeShare, kIncidenceNodes> CoarseShares() {
-  const std::vector<double>& coarse = CoarseIncidenceDeg();
-  std::array<NodeShare, kIncidenceNodes> shares;
-  for (int fine = 0; fine < kIncidenceNodes; ++fine) {
-    const double deg = fine * kIncidenceStepDeg;
-    const auto above = std::upper_bound(coarse.begin(), coarse.end() - 1, deg);
-    const int node = static_cast<int>(above - coarse.begin()) - 1;
-    shares[fine] = {node, (deg - coarse[node]) / (coarse[node + 1] - coarse[node])};
-  }
-  return shares;
-}
-
 // Powers of each cell by coarse node. Several bins receive a cell, so its nodes are merged once.
 struct CoarseCells {
   std::vector<std::uint32_t> start;  // first entry of each cell; cells + 1 values
@@ -42,7 +24,7 @@ struct CoarseCells {
 
 CoarseCells MergeNodes(const EchoPower& echoes) {
   SONARCAL_CHECK(echoes.nodes == kIncidenceNodes, "{} nodes", echoes.nodes);
-  const std::array<NodeShare, kIncidenceNodes> shares = CoarseShares();
+  const std::array<NodeShare, kIncidenceNodes>& shares = CoarseShares();
   const auto coarse_count = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
   CoarseCells merged;
   merged.start.reserve(echoes.cells.size() + 1);
@@ -242,6 +224,21 @@ const std::vector<double>& CoarseIncidenceDeg() {
     return nodes;
   }();
   return kNodes;
+}
+
+const std::array<NodeShare, kIncidenceNodes>& CoarseShares() {
+  static const std::array<NodeShare, kIncidenceNodes> kShares = [] {
+    const std::vector<double>& coarse = CoarseIncidenceDeg();
+    std::array<NodeShare, kIncidenceNodes> shares;
+    for (int fine = 0; fine < kIncidenceNodes; ++fine) {
+      const double deg = fine * kIncidenceStepDeg;
+      const auto above = std::upper_bound(coarse.begin(), coarse.end() - 1, deg);
+      const int node = static_cast<int>(above - coarse.begin()) - 1;
+      shares[fine] = {node, (deg - coarse[node]) / (coarse[node + 1] - coarse[node])};
+    }
+    return shares;
+  }();
+  return kShares;
 }
 
 PixelEchoes GatherPixelEchoes(const EchoPower& echoes, const PowerResponse& response,

@@ -32,6 +32,13 @@ inline constexpr double kNegligibleShare = 1e-6;
 // Angles of the coarse nodes, degrees.
 const std::vector<double>& CoarseIncidenceDeg();
 
+// Share of a node of kIncidenceNodes between two coarse nodes.
+struct NodeShare {
+  int node = 0;  // this node and the next
+  double of_next = 0.0;
+};
+const std::array<NodeShare, kIncidenceNodes>& CoarseShares();
+
 struct PixelEchoes {
   struct Entry {
     std::uint32_t node = 0;  // material x CoarseIncidenceDeg().size() + node

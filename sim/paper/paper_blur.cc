@@ -243,6 +243,24 @@ void PaperBlur::Spread(std::span<const double> cells, Rows& rows, WeightOf weigh
   });
 }
 
+void PaperBlur::WeighBeams(const EchoHistogram::Cell& cell, BeamWeights& beams) const {
+  const int number = kernel_of_row_[cell.row];
+  if (number < 0) {
+    beams.first = cell.col;
+    beams.weight.assign(1, 1.0);
+    return;
+  }
+  const AzimuthKernel& kernel = kernels_[number];
+  const double growth_rad = sigma_azimuth_rad_[cell.row] - kernel.sigma_rad;
+  beams.first = kernel.first[cell.col];
+  beams.weight.clear();
+  for (int beam = beams.first; beam < kernel.last[cell.col]; ++beam) {
+    const std::ptrdiff_t at = kernel.start[cell.col] + beam;
+    beams.weight.push_back(kernel.value[at] + growth_rad * kernel.slope[at] +
+                           cell.azimuth_offset * (kernel.moment[at] + growth_rad * kernel.moment_slope[at]));
+  }
+}
+
 PaperBlur::Rows PaperBlur::AlongAzimuth(std::span<const double> cells) const {
   const auto count = static_cast<std::size_t>(row_count());
   Rows rows{.values = std::make_unique_for_overwrite<double[]>(count * beams()),

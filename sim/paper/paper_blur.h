@@ -52,6 +52,32 @@ class PaperBlur {
   // `growth_m`.
   void AddRangeGrowth(const Rows& rows, std::span<const double> growth_m, std::vector<double>& image) const;
 
+  // Single weights, for sums other than an image.
+  struct RangeWeight {
+    std::int32_t row = 0;  // row of Rows
+    BlurWeight weight;
+    BlurWeight moment;
+  };
+  struct BeamWeights {
+    int first = 0;  // beam
+    std::vector<double> weight;
+  };
+  int row_count() const { return histogram_.rows / group_; }
+  // Cells [first, last) of a row of Rows.
+  std::pair<std::uint32_t, std::uint32_t> CellsOfRow(int row) const {
+    return {histogram_.row_start[row * group_], histogram_.row_start[(row + 1) * group_]};
+  }
+  // Weights of a cell in the beams.
+  void WeighBeams(const EchoHistogram::Cell& cell, BeamWeights& beams) const;
+  // Offset of a cell in range within its row of Rows.
+  double RangeOffset(const EchoHistogram::Cell& cell) const {
+    return (cell.row % group_ + 0.5 + cell.range_offset) / group_ - 0.5;
+  }
+  // Weights of the rows that reach a bin. The moment multiplies the offset of a cell.
+  std::span<const RangeWeight> RowsOfBin(int bin) const {
+    return std::span(range_weights_).subspan(range_start_[bin], range_start_[bin + 1] - range_start_[bin]);
+  }
+
  private:
   // Weights from every beam to its neighbours, for errors of nearly one size.
   struct AzimuthKernel {
@@ -64,11 +90,6 @@ class PaperBlur {
     std::vector<double> moment;  // derivative of the value by the offset in units of the beam's width
     std::vector<double> moment_slope;
   };
-  struct RangeWeight {
-    std::int32_t row = 0;  // row of Rows
-    BlurWeight weight;
-    BlurWeight moment;
-  };
 
   AzimuthKernel MakeAzimuthKernel(double sigma_rad) const;
   void MakeAzimuthKernels();
@@ -77,13 +98,8 @@ class PaperBlur {
   static void Widen(Rows& rows, int out_row, int beams, std::pair<int, int> touched);
   template <typename WeightOf>
   void Spread(std::span<const double> cells, Rows& rows, WeightOf weight_of) const;
-  // Offset of a cell in range within its row.
-  double RangeOffset(const EchoHistogram::Cell& cell) const {
-    return (cell.row % group_ + 0.5 + cell.range_offset) / group_ - 0.5;
-  }
   // Value at the middle of a row, interpolated between the values of its rows of cells.
   double AtMiddle(std::span<const double> of_rows_of_cells, int row) const;
-  int row_count() const { return histogram_.rows / group_; }
   int beams() const { return histogram_.beams; }
 
   const EchoHistogram& histogram_;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "calib/fit_starts.h"
-#include "calib/models/paper_frame_model.h"
+#include "calib/paper/paper_frame_model.h"
 #include "sim/physics/gsab.h"
 #include "tests/calib/small_tank.h"
 

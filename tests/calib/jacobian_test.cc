@@ -11,7 +11,7 @@
 
 #include "calib/identifiability.h"
 #include "calib/models/acoustic_frame_model.h"
-#include "calib/models/paper_frame_model.h"
+#include "calib/paper/paper_frame_model.h"
 #include "calib/problem_builder.h"
 #include "tests/calib/small_tank.h"
 

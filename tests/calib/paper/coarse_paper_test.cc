@@ -1,5 +1,5 @@
 // The paper's model in blocks of pixels against its own pixels, on SYNTHETIC frames.
-#include "calib/models/coarse_paper.h"
+#include "calib/paper/coarse_paper.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The paper's model for a fit. eta is the sum of a pixel's echoes before clamping, as a fraction of full
 // scale. Until the noise is known, the residual is the clamped image minus the recorded one. With known noise
-// it is that of calib/models/paper_likelihood.h, and priors can be weighed against it.
+// it is that of calib/paper/paper_likelihood.h, and priors can be weighed against it.
 //
 // Exact gauges: SL - NL + AG - dB_min (with dB_max moving along) and a common factor on A, C and E of all
 // materials are one number. The two Gaussians of a curve may be exchanged. Only transmission loss determines
@@ -9,14 +9,17 @@
 // echo 1 m from the sonar above dB_min, and the span.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calib/models/frame_model.h"
-#include "calib/models/paper_likelihood.h"
+#include "calib/paper/paper_evaluation.h"
+#include "calib/paper/paper_likelihood.h"
 #include "sim/paper/expected_paper_image.h"
 
 namespace sonarcal::calib {
@@ -56,8 +59,7 @@ class PaperFrameModel : public FrameModel {
   }
   bool ShowsMaterial(int material) const override { return shown_[material]; }
   const std::vector<std::string>& material_names() const override { return material_names_; }
-  bool IsLikelihood() const override { return noise_.has_value(); }
-  bool DerivativesAreCheap() const override { return false; }
+  bool IsLikelihood() const override { return likelihood_.has_value(); }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
   std::unique_ptr<FrameModel> Coarse(std::size_t wanted_pixels) const override;
@@ -71,8 +73,8 @@ class PaperFrameModel : public FrameModel {
   void Store(const ParameterValues& values, ParameterSet& parameters) const;
 
   // Sets the noise. From then on residuals are in units of it.
-  void SetNoise(const PaperNoise& noise) { noise_ = noise; }
-  const PaperNoise& noise() const { return noise_.value(); }
+  void SetNoise(const PaperNoise& noise) { likelihood_.emplace(noise); }
+  const PaperNoise& noise() const { return likelihood_.value().noise(); }
   // Noise that the frames show about these values.
   PaperNoise NoiseAbout(const ParameterValues& values) const;
   PaperClipping ClippingAt(const ParameterValues& values) const;
@@ -86,7 +88,14 @@ class PaperFrameModel : public FrameModel {
     return initial_.source_level_db - initial_.noise_level_db + initial_.array_gain_db -
            initial_.display.db_min;
   }
-  PaperResidual ResidualOf(double sum, double recorded, double level) const;
+  // Echoes of a frame through these errors, gathered or kept from the last call.
+  std::shared_ptr<const sim::PaperEchoes> EchoesOf(int frame, const JitterParameters<double>& errors) const;
+  // Derivatives of a frame by the active sizes of range and azimuth errors.
+  std::vector<PaperSlope> ErrorSlopes(int frame, const ParameterValues& values,
+                                      std::span<const int> active) const;
+  std::unique_ptr<PaperEvaluation> EvaluationAt(int frame, const sim::PaperParameters<double>& parameters,
+                                                std::span<const int> active, std::vector<PaperSlope> slopes,
+                                                Terms wanted) const;
   void BoundByLevel();
   void AddPriors();
   // Calls body(frame, pixel, sum, recorded) for every used pixel.
@@ -102,7 +111,18 @@ class PaperFrameModel : public FrameModel {
   sim::PaperParameters<double> initial_;  // also holds parameters without a catalog entry
   std::vector<CatalogEntry> catalog_;
   std::vector<bool> shown_;
-  std::optional<PaperNoise> noise_;
+  std::optional<PaperLikelihood> likelihood_;
+  // Gathered echoes of the frames.
+  struct Gathered {
+    struct Frame {
+      std::array<double, 3> at = {};  // sizes of the errors and their reference range
+      std::shared_ptr<const sim::PaperEchoes> echoes;
+    };
+    std::mutex mutex;
+    std::vector<Frame> frames;
+    std::size_t bytes = 0;
+  };
+  mutable Gathered gathered_;
 };
 
 }  // namespace sonarcal::calib

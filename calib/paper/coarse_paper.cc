@@ -1,4 +1,4 @@
-#include "calib/models/coarse_paper.h"
+#include "calib/paper/coarse_paper.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -25,10 +25,9 @@ constexpr double kOtherImage = 0.01;
 // Returns true if another round would change no value by as much as its standard error.
 bool AreAlike(const PaperNoise& a, const PaperNoise& b) {
   constexpr double kRelative = 0.1;
-  constexpr double kUnrounded = 1.3;  // larger variances make no difference (paper_likelihood.h)
   const auto alike = [](double x, double y) { return std::abs(x - y) <= kRelative * std::max(x, y); };
   return alike(a.sigma, b.sigma) && alike(a.knee_sigma, b.knee_sigma) &&
-         alike(std::min(a.variance_levels, kUnrounded), std::min(b.variance_levels, kUnrounded));
+         alike(std::min(a.variance_levels, kUnroundedLevels), std::min(b.variance_levels, kUnroundedLevels));
 }
 
 class PaperFitter {

@@ -1,4 +1,4 @@
-#include "calib/models/paper_frame_model.h"
+#include "calib/paper/paper_frame_model.h"
 
 #include <ceres/jet.h>
 
@@ -7,42 +7,21 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/models/coarse_paper.h"
+#include "calib/paper/coarse_paper.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "sim/paper/expected_paper_image.h"
 #include "sim/paper/paper_values.h"
 
 namespace sonarcal::calib {
 namespace {
 
-// Number of derivatives carried together through the shading of cells.
-constexpr int kStride = 8;
+// Derivatives by range and azimuth errors that are computed together.
+constexpr int kStride = 3;
 using Dual = ceres::Jet<double, kStride>;
 
-// The blur couples the pixels of a frame, so all are computed at once and returned in parts.
-class WholeFrame final : public FrameEvaluation {
- public:
-  WholeFrame(PixelTerms terms, std::size_t pixels_per_bin, std::size_t columns)
-      : terms_(std::move(terms)), pixels_per_bin_(pixels_per_bin), columns_(columns) {}
-
-  bool Bins(int first, int last, PixelTerms& terms) const override {
-    const auto copy = [&](const std::vector<double>& from, std::size_t per_pixel, std::vector<double>& to) {
-      const std::size_t stride = from.empty() ? 0 : pixels_per_bin_ * per_pixel;
-      to.assign(from.begin() + static_cast<std::ptrdiff_t>(first * stride),
-                from.begin() + static_cast<std::ptrdiff_t>(last * stride));
-    };
-    copy(terms_.residual, 1, terms.residual);
-    copy(terms_.slope, 1, terms.slope);
-    copy(terms_.information, 1, terms.information);
-    copy(terms_.eta_jacobian, columns_, terms.eta_jacobian);
-    return true;
-  }
-
- private:
-  PixelTerms terms_;
-  std::size_t pixels_per_bin_;
-  std::size_t columns_;
-};
+// Memory for the gathered echoes of all frames of a model. Those of more frames are gathered each time.
+constexpr std::size_t kMaxKeptBytes = std::size_t{512} << 20;
 
 // Default limits: range and azimuth errors wider than this many bins and beams are not plausible.
 constexpr double kMaxErrorBins = 3.0;
@@ -59,6 +38,7 @@ PaperFrameModel::PaperFrameModel(const std::vector<FitFrame>& frames, const sim:
       initial_(sim::PaperParametersFor(initial, material_names)),
       catalog_(BuildCatalog(material_names)),
       shown_(material_names.size(), false) {
+  gathered_.frames.resize(frames.size());
   for (const FitFrame& frame : frames) {
     if ((!frame.use.empty() && frame.use.size() != pixel_count()) || frame.measured.size() != pixel_count() ||
         frame.echoes.materials != static_cast<int>(material_names.size())) {
@@ -147,8 +127,8 @@ std::unique_ptr<PaperFrameModel> PaperFrameModel::InBlocks() const {
                                             static_cast<double>(coarse.geometry.axes.beam_count()));
   if (pixels_a_block <= 1.0) return nullptr;
   auto model = std::make_unique<PaperModelOfBlocks>(std::move(coarse), material_names_, given_);
-  if (noise_) {
-    PaperNoise noise = *noise_;
+  if (likelihood_) {
+    PaperNoise noise = likelihood_->noise();
     noise.sigma /= std::sqrt(pixels_a_block);
     noise.knee_sigma /= std::sqrt(pixels_a_block);
     model->SetNoise(noise);
@@ -166,9 +146,9 @@ void PaperFrameModel::ForPixels(const ParameterValues& values, const Body& body)
       ParametersAt<double>([&](int entry) { return values[entry]; });
   for (int frame = 0; frame < frame_count(); ++frame) {
     const FitFrame& of = frames_[frame];
-    const sim::PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
+    const std::vector<double> sums = EvaluationAt(frame, parameters, {}, {}, Terms::kResiduals)->Sums();
     for (std::size_t i = 0; i < of.measured.size(); ++i) {
-      if (Counts(frame, i)) body(of, evaluation.sums()[i], of.measured[i]);
+      if (Counts(frame, i)) body(of, sums[i], of.measured[i]);
     }
   }
 }
@@ -266,52 +246,65 @@ sim::PaperParameters<T> PaperFrameModel::ParametersAt(const ValueAt& value_at) c
   return parameters;
 }
 
-PaperResidual PaperFrameModel::ResidualOf(double sum, double recorded, double level) const {
-  if (noise_) return PaperPixelResidual(sum, recorded, level, *noise_);
-  const bool clamped = sum < 0.0 || sum > 1.0;
-  return {std::clamp(sum, 0.0, 1.0) - recorded, clamped ? 0.0 : 1.0};
+std::shared_ptr<const sim::PaperEchoes> PaperFrameModel::EchoesOf(
+    int frame, const JitterParameters<double>& errors) const {
+  const std::lock_guard lock(gathered_.mutex);
+  Gathered::Frame& kept = gathered_.frames[frame];
+  const std::array<double, kStride> at = {errors.sigma_range_m, errors.sigma_azimuth_deg,
+                                          errors.reference_range_m};
+  if (kept.echoes != nullptr && kept.at == at) return kept.echoes;
+  auto echoes = std::make_shared<const sim::PaperEchoes>(
+      sim::GatherPaperEchoes(frames_[frame].echoes, geometry_, errors));
+  const auto bytes_of = [](const std::shared_ptr<const sim::PaperEchoes>& of) {
+    return of == nullptr ? 0 : of->nodes.entries.size() * sizeof(sim::PixelEchoes::Entry);
+  };
+  gathered_.bytes -= bytes_of(kept.echoes);
+  kept = {};
+  if (gathered_.bytes + bytes_of(echoes) > kMaxKeptBytes) return echoes;
+  gathered_.bytes += bytes_of(echoes);
+  kept = {.at = at, .echoes = echoes};
+  return echoes;
 }
 
-// Derivatives come from the forward model in dual numbers. Ceres' own wrapper would carry them through the
-// blur pixel by pixel, at ten times the cost.
+std::vector<PaperSlope> PaperFrameModel::ErrorSlopes(int frame, const ParameterValues& values,
+                                                     std::span<const int> active) const {
+  std::vector<PaperSlope> slopes;
+  for (const int entry : active) {
+    if (catalog_[entry].group == ParameterGroup::kJitter) slopes.push_back({.entry = entry, .image = {}});
+  }
+  if (slopes.empty()) return slopes;
+  SONARCAL_CHECK(slopes.size() <= kStride, "{} sizes of errors", slopes.size());
+  const sim::PaperImageEvaluation image(frames_[frame].echoes, geometry_,
+                                        ParametersAt<double>([&](int entry) { return values[entry]; }));
+  auto images = image.Derivatives(ParametersAt<Dual>([&](int entry) {
+    const auto slope = std::ranges::find(slopes, entry, &PaperSlope::entry);
+    return slope == slopes.end() ? Dual(values[entry])
+                                 : Dual(values[entry], static_cast<int>(slope - slopes.begin()));
+  }));
+  for (std::size_t k = 0; k < slopes.size(); ++k) slopes[k].image = std::move(images[k]);
+  return slopes;
+}
+
+std::unique_ptr<PaperEvaluation> PaperFrameModel::EvaluationAt(int frame,
+                                                               const sim::PaperParameters<double>& parameters,
+                                                               std::span<const int> active,
+                                                               std::vector<PaperSlope> slopes,
+                                                               Terms wanted) const {
+  const FitFrame& of = frames_[frame];
+  return std::make_unique<PaperEvaluation>(
+      catalog_, parameters, EchoesOf(frame, parameters.jitter),
+      PaperRecord{.measured = of.measured, .use = of.use, .level = of.level}, beams(),
+      likelihood_ ? &*likelihood_ : nullptr, active, std::move(slopes), wanted);
+}
+
 std::unique_ptr<FrameEvaluation> PaperFrameModel::At(int frame, const ParameterValues& values,
                                                      std::span<const int> active, Terms wanted) const {
-  const FitFrame& of = frames_[frame];
   const sim::PaperParameters<double> parameters =
       ParametersAt<double>([&](int entry) { return values[entry]; });
   if (!(parameters.display.db_max > parameters.display.db_min)) return nullptr;
-  const sim::PaperImageEvaluation evaluation(of.echoes, geometry_, parameters);
-  const std::vector<double>& sums = evaluation.sums();
-  const auto finish = [&](PixelTerms terms) {
-    return std::make_unique<WholeFrame>(std::move(terms), beams(), active.size());
-  };
-  PixelTerms terms;
-  terms.residual.resize(sums.size());
-  terms.slope.resize(sums.size());
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (!Counts(frame, i)) continue;
-    const PaperResidual pixel = ResidualOf(sums[i], of.measured[i], of.level);
-    terms.residual[i] = pixel.residual;
-    terms.slope[i] = pixel.slope;
-  }
-  if (wanted == Terms::kResiduals) return finish(std::move(terms));
-  for (const double slope : terms.slope) terms.information.push_back(slope * slope);
-  const std::size_t count = active.size();
-  terms.eta_jacobian.resize(sums.size() * count);
-  for (std::size_t first = 0; first < count; first += kStride) {
-    const std::size_t columns = std::min<std::size_t>(kStride, count - first);
-    std::vector<int> column_of(catalog_.size(), -1);
-    for (std::size_t k = 0; k < columns; ++k) column_of[active[first + k]] = static_cast<int>(k);
-    const auto images = evaluation.Derivatives(ParametersAt<Dual>([&](int entry) {
-      return column_of[entry] < 0 ? Dual(values[entry]) : Dual(values[entry], column_of[entry]);
-    }));
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-      const bool counts = Counts(frame, i);
-      for (std::size_t k = 0; k < columns; ++k)
-        terms.eta_jacobian[i * count + first + k] = counts ? images[k][i] : 0.0;
-    }
-  }
-  return finish(std::move(terms));
+  std::vector<PaperSlope> slopes;
+  if (wanted != Terms::kResiduals) slopes = ErrorSlopes(frame, values, active);
+  return EvaluationAt(frame, parameters, active, std::move(slopes), wanted);
 }
 
 }  // namespace sonarcal::calib

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "calib/models/paper_frame_model.h"
+#include "calib/paper/paper_frame_model.h"
 
 namespace sonarcal::calib {
 

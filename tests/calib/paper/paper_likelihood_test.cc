@@ -1,6 +1,6 @@
 // The expected recorded value of a pixel against draws of pixels made of a few rays each, rounded and
 // clipped.
-#include "calib/models/paper_likelihood.h"
+#include "calib/paper/paper_likelihood.h"
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ TEST(PaperLikelihood, TheExpectedValueIsThatOfRoundedAndClippedDraws) {
   for (const double per_ray : {0.1, 0.67, 2.0, 7.2}) {
     for (const double levels : {0.1, 0.3, 0.5, 0.8, 1.0, 2.0, 3.0, 10.0, 100.0, 240.0, 260.0}) {
       const double expected =
-          kFullScale * ExpectedRecorded(levels * kLevel, kLevel, NoiseOfRays(per_ray)).value;
+          kFullScale * PaperLikelihood(NoiseOfRays(per_ray)).ExpectedRecorded(levels * kLevel, kLevel).value;
       EXPECT_NEAR(expected, MeanOfDraws(levels, per_ray), std::max(0.1, 2e-3 * levels))
           << levels << " levels of rays of " << per_ray;
     }
@@ -47,19 +47,31 @@ TEST(PaperLikelihood, TheExpectedValueIsThatOfRoundedAndClippedDraws) {
 }
 
 TEST(PaperLikelihood, WithoutNoiseAFaintPixelIsRecordedAsZero) {
-  const PaperNoise none{.sigma = 1.0, .knee_sigma = 0.3 * kLevel, .variance_levels = 0.0};
-  EXPECT_LT(ExpectedRecorded(0.3 * kLevel, kLevel, none).value, 0.06 * kLevel);
-  EXPECT_NEAR(ExpectedRecorded(0.3 * kLevel, 0.0, none).value, 0.3 * kLevel, 1e-9) << "not rounded";
-  EXPECT_NEAR(ExpectedRecorded(3.0, kLevel, none).value, 1.0, 1e-9) << "clipped";
-  EXPECT_EQ(ExpectedRecorded(-0.2, kLevel, none).value, 0.0);
+  const PaperLikelihood none({.sigma = 1.0, .knee_sigma = 0.3 * kLevel, .variance_levels = 0.0});
+  EXPECT_LT(none.ExpectedRecorded(0.3 * kLevel, kLevel).value, 0.06 * kLevel);
+  EXPECT_NEAR(none.ExpectedRecorded(0.3 * kLevel, 0.0).value, 0.3 * kLevel, 1e-9) << "not rounded";
+  EXPECT_NEAR(none.ExpectedRecorded(3.0, kLevel).value, 1.0, 1e-9) << "clipped";
+  EXPECT_EQ(none.ExpectedRecorded(-0.2, kLevel).value, 0.0);
+}
+
+TEST(PaperLikelihood, InterpolatesTheExpectedLevels) {
+  for (const double variance_levels : {0.0, 0.05, 0.7, 1.0, 1.3, 5.0}) {
+    const PaperLikelihood likelihood({.sigma = 1.0, .knee_sigma = 1e-3, .variance_levels = variance_levels});
+    for (double levels = 1e-3; levels < 5.0; levels += 0.0137) {
+      const ValueAndSlope exact = RoundedLevels(levels, variance_levels);
+      const ValueAndSlope expected = likelihood.ExpectedRecorded(levels * kLevel, kLevel);
+      EXPECT_NEAR(expected.value / kLevel, exact.value, 1e-7) << levels << ", variance " << variance_levels;
+      EXPECT_NEAR(expected.slope, exact.slope, 1e-4) << levels << ", variance " << variance_levels;
+    }
+  }
 }
 
 TEST(PaperLikelihood, SlopesAreThoseOfTheResidual) {
   for (const double per_ray : {0.05, 0.67, 1.0, 7.2}) {
     for (const double levels : {-20.0, 0.2, 0.6, 1.3, 3.0, 50.0, 235.0, 255.0, 290.0}) {
       for (const double recorded : {0.0, 0.4, 1.0}) {
-        const PaperNoise noise = NoiseOfRays(per_ray);
-        const auto at = [&](double mean) { return PaperPixelResidual(mean, recorded, kLevel, noise); };
+        const PaperLikelihood likelihood(NoiseOfRays(per_ray));
+        const auto at = [&](double mean) { return likelihood.Residual(mean, recorded, kLevel); };
         const double step = 1e-5 * kLevel;
         const double mean = levels * kLevel;
         const double difference = (at(mean + step).residual - at(mean - step).residual) / (2.0 * step);
@@ -70,7 +82,7 @@ TEST(PaperLikelihood, SlopesAreThoseOfTheResidual) {
 }
 
 TEST(PaperLikelihood, ALitPixelShadedBelowBlackHasAWayBack) {
-  const PaperResidual pixel = PaperPixelResidual(-2.0, 0.5, kLevel, NoiseOfRays(1.0));
+  const PaperResidual pixel = PaperLikelihood(NoiseOfRays(1.0)).Residual(-2.0, 0.5, kLevel);
   EXPECT_LT(pixel.residual, 0.0);
   EXPECT_GT(pixel.slope, 0.0);
 }

@@ -1,0 +1,73 @@
+// A frame of the paper's model at one set of values: the sum of the echoes of each pixel before the clamp, its
+// derivatives, and the residuals. Range and azimuth errors are those of the gathered echoes; curves and
+// display are exact.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "calib/models/frame_model.h"
+#include "calib/paper/paper_likelihood.h"
+#include "sim/gathered/paper_echoes.h"
+#include "sim/physics/paper_echo.h"
+
+namespace sonarcal::calib {
+
+// Image of the derivatives by an entry of the catalog.
+struct PaperSlope {
+  int entry = 0;
+  std::vector<double> image;  // range_bins x beams
+};
+
+// Recorded data of a frame.
+struct PaperRecord {
+  std::span<const double> measured;   // range_bins x beams, 0..1 of full scale
+  std::span<const std::uint8_t> use;  // 1 for used pixels; empty: all
+  double level = 0.0;                 // one grey level as a fraction of full scale; 0: values are not rounded
+};
+
+class PaperEvaluation final : public FrameEvaluation {
+ public:
+  // Catalog, recorded data and likelihood must outlive the evaluation. `likelihood`: null for the difference
+  // of the clamped image from the recorded one. `slopes`: of the active entries of range and azimuth errors.
+  PaperEvaluation(const std::vector<CatalogEntry>& catalog, const sim::PaperParameters<double>& parameters,
+                  std::shared_ptr<const sim::PaperEchoes> echoes, const PaperRecord& recorded, int beams,
+                  const PaperLikelihood* likelihood, std::span<const int> active,
+                  std::vector<PaperSlope> slopes, FrameModel::Terms wanted);
+
+  bool Bins(int first, int last, PixelTerms& terms) const override;
+
+  // Sums of all pixels, used or not.
+  std::vector<double> Sums() const;
+
+ private:
+  // Kind of a Jacobian column.
+  enum class Of { kCurve, kSourceLevel, kDisplayMin, kDisplayMax, kSlope };
+  struct Column {
+    Of of = Of::kCurve;
+    std::size_t index = 0;  // of the curve's sum among a pixel's sums, or of the slope
+  };
+  Column PlanColumn(const CatalogEntry& entry) const;
+  // Calls body(pixel, sums by material, total sum) for consecutive pixels.
+  template <typename Body>
+  void ForPixels(std::size_t first, std::size_t last, const Body& body) const;
+  double Derivative(const Column& column, std::size_t pixel, const double* sums, double sum) const;
+  PaperResidual ResidualOf(double sum, double recorded) const;
+
+  std::shared_ptr<const sim::PaperEchoes> echoes_;
+  PaperRecord recorded_;
+  std::size_t beams_;
+  const PaperLikelihood* likelihood_;
+  std::vector<PaperSlope> slopes_;
+  FrameModel::Terms wanted_;
+  std::size_t materials_;
+  double span_db_;
+  // kCurveStride values per node and material: the echo as a fraction of the display's span, its derivatives
+  // by A to F, and the derivative by the source level.
+  std::vector<double> curves_;
+  std::vector<Column> columns_;
+};
+
+}  // namespace sonarcal::calib

@@ -1,0 +1,70 @@
+// Expected recorded value of a pixel in the paper's model, and the residual of a fit.
+//
+// A recording holds whole grey levels between 0 and full scale. The expected recorded value of a pixel whose
+// unclamped mean is x is therefore not x:
+//
+// - Near 0 it is rounded. A pixel of a third of a level is recorded as 0, unless it varies from frame to
+//   frame. The rays of a pixel are few, so its variance is proportional to its mean and dithers the rounding.
+//   Only the first levels matter, because at higher levels the rounding errors cancel over many pixels.
+// - Near full scale it is clipped. With a standard deviation s of single pixels, E[min(x + s n, 1)] has a
+//   soft knee.
+//
+// The residual is (expected recorded value - recorded value) / sigma. It has zero mean at the true parameters
+// for any law of the noise, and pixels at either end of the scale cause no bias.
+#pragma once
+
+#include <array>
+
+namespace sonarcal::calib {
+
+struct PaperNoise {
+  double sigma = 0.1;            // standard deviation of a recorded pixel from the model, full scale 1
+  double knee_sigma = 0.05;      // as `sigma`, for a pixel near full scale
+  double variance_levels = 0.7;  // variance / mean of a faint pixel, both in grey levels
+};
+
+struct PaperResidual {
+  double residual = 0.0;
+  double slope = 0.0;  // d residual / d mean
+};
+
+// E[round(X)] for a mean of x >= 0, in grey levels, and its slope. Sums the probabilities of the first levels.
+struct ValueAndSlope {
+  double value = 0.0;
+  double slope = 0.0;
+};
+ValueAndSlope RoundedLevels(double x, double variance_over_mean);
+
+// Variances over means beyond this give the same residuals, in grey levels: rays of a whole level and more
+// each, so that rounding does not matter.
+inline constexpr double kUnroundedLevels = 1.3;
+
+// Expected recorded values of pixels with this noise.
+class PaperLikelihood {
+ public:
+  explicit PaperLikelihood(const PaperNoise& noise);
+
+  const PaperNoise& noise() const { return noise_; }
+
+  // `mean`: unclamped mean of a pixel. `level`: one grey level, 0 if values are not rounded. All as fractions
+  // of full scale.
+  ValueAndSlope ExpectedRecorded(double mean, double level) const;
+
+  PaperResidual Residual(double mean, double recorded, double level) const {
+    ValueAndSlope expected = ExpectedRecorded(mean, level);
+    // A lit pixel that the model shades below black keeps an upward slope.
+    if (mean < 0.0 && recorded > 0.0) expected = {mean, 1.0};
+    return {(expected.value - recorded) / noise_.sigma, expected.slope / noise_.sigma};
+  }
+
+ private:
+  // RoundedLevels by cubic interpolation. The slope is that of the interpolated curve. The error is below
+  // 1e-7 levels.
+  ValueAndSlope Interpolated(double x) const;
+
+  static constexpr int kIntervals = 2048;
+  PaperNoise noise_;
+  std::array<ValueAndSlope, kIntervals + 1> rounded_{};
+};
+
+}  // namespace sonarcal::calib

@@ -1,0 +1,35 @@
+// Echoes of each pixel of the paper's image through fixed range and azimuth errors: sim/paper/echo_histogram.h
+// after sim/paper/paper_blur.h. Before the clamp, a pixel is then a short sum over incidence nodes,
+//
+//   sum(r, b) = (sum over entries of weight x (SL - NL + AG - dB_min + TS_material(incidence)) - loss) / span,
+//
+// so a fit of backscatter curves and display needs no blur. sim/paper/expected_paper_image.h computes the same
+// cell by cell. Nodes are those of PixelEchoes. Interpolation is linear in dB; its errors:
+//
+//   Gaussian of half-width 3 degrees           0.02 dB
+//   Gaussian of half-width 1 degree            0.2 dB
+//   cosine of exponent up to 2, to 80 degrees  0.1 dB
+#pragma once
+
+#include <vector>
+
+#include "core/types/parameters.h"
+#include "sim/gathered/pixel_echoes.h"
+#include "sim/paper/echo_histogram.h"
+#include "sim/paper/image_geometry.h"
+
+namespace sonarcal::sim {
+
+struct PaperEchoes {
+  PixelEchoes nodes;           // weights: shares of the rays of a beam
+  std::vector<float> loss_db;  // per pixel: sum of weight x two-way loss
+};
+
+PaperEchoes GatherPaperEchoes(const EchoHistogram& histogram, const ImageGeometry& geometry,
+                              const JitterParameters<double>& errors);
+
+// Angle at which a curve in dB is evaluated for a coarse node. As IncidenceOfNodeDeg, the last one gives the
+// last interval its mean level.
+double PaperIncidenceDeg(std::size_t node);
+
+}  // namespace sonarcal::sim
