@@ -85,14 +85,20 @@ std::optional<FrameSums> SumFrame(const FrameModel& model, const std::vector<Cat
     weight.clear();
     along.clear();
     for (std::size_t i = 0; i < terms.residual.size(); ++i) {
-      weight.push_back(std::max(terms.information[i], terms.slope[i] * terms.slope[i]));
+      const double of = std::max(terms.information[i], terms.slope[i] * terms.slope[i]);
+      if (of == 0.0) continue;  // pixels that no parameter moves
+      if (weight.size() < i) {
+        const auto row = terms.eta_jacobian.begin() + static_cast<std::ptrdiff_t>(i) * n;
+        std::copy(row, row + n, terms.eta_jacobian.begin() + static_cast<std::ptrdiff_t>(weight.size()) * n);
+      }
+      weight.push_back(of);
       along.push_back(terms.slope[i] * terms.residual[i]);
     }
     bands[band].information = RowMajor::Zero(n, n);
     bands[band].gradient = Eigen::VectorXd::Zero(n);
     terms.eta_jacobian.resize(terms.eta_jacobian.size() + pixel_math::kRowPadding, 0.0);
     pixel_math::AddOuterProducts(terms.eta_jacobian.data(), weight.data(), along.data(),
-                                 static_cast<int>(pixels), static_cast<int>(n),
+                                 static_cast<int>(weight.size()), static_cast<int>(n),
                                  bands[band].information.data(), bands[band].gradient.data());
   });
   if (!valid) return std::nullopt;

@@ -3,7 +3,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "calib/models/pixel_math.h"
 #include "core/types/units.h"
 #include "sim/physics/receiver.h"
 
@@ -13,6 +15,42 @@ namespace {
 int Blocks(int count, int of) {
   return (count + of - 1) / of;
 }
+
+// Speckle of blocks, which no display clips.
+class SpeckleLaw final : public PixelLaw {
+ public:
+  explicit SpeckleLaw(double looks) : looks_(looks) {}
+
+  void Add(double power, double weight) {
+    power_.push_back(power);
+    weight_.push_back(weight);
+  }
+
+  std::vector<double> Table(const GsabParameters<double>& curve) const override {
+    std::vector<double> table;
+    AppendCurve(curve, table);
+    return table;
+  }
+
+  bool Judge(std::size_t first, std::span<const double> mean, PixelTerms& terms) const override {
+    if (!std::ranges::all_of(mean, [](double value) { return value > 0.0 && std::isfinite(value); }))
+      return false;
+    pixel_math::Likelihood(&power_[first], mean.data(), static_cast<int>(mean.size()), looks_,
+                           terms.residual.data(), terms.slope.data());
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      const double root = std::sqrt(weight_[first + i]);
+      terms.residual[i] *= root;
+      terms.slope[i] *= root / mean[i];
+      terms.information[i] = weight_[first + i] * looks_ / (mean[i] * mean[i]);
+    }
+    return true;
+  }
+
+ private:
+  double looks_;
+  std::vector<double> power_;   // recorded
+  std::vector<double> weight_;  // of the likelihood
+};
 
 }  // namespace
 
@@ -139,7 +177,7 @@ std::unique_ptr<OneCurveModel> CoarseFrameModel::OfCurve(int material, const Par
   const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
   const std::uint32_t first_node = nodes * static_cast<std::uint32_t>(material);
   OneCurvePixels pixels;
-  pixels.looks = PixelsOfBlock() * fine_.Parameters(values).receiver.looks;
+  auto law = std::make_unique<SpeckleLaw>(PixelsOfBlock() * fine_.Parameters(values).receiver.looks);
   for (int frame = 0; frame < frame_count(); ++frame) {
     const CoarseFrame& of = frames_[frame];
     if (!of.echoes.ghosts.empty()) return nullptr;
@@ -160,11 +198,10 @@ std::unique_ptr<OneCurveModel> CoarseFrameModel::OfCurve(int material, const Par
       if (end == pixels.echoes.start.back()) continue;
       pixels.echoes.start.push_back(end);
       pixels.rest.push_back(means[pixel] - shown);
-      pixels.power.push_back(of.power[pixel].power);
-      pixels.weight.push_back(of.weight[pixel]);
+      law->Add(of.power[pixel].power, of.weight[pixel]);
     }
   }
-  return std::make_unique<OneCurveModel>(*this, material, std::move(pixels));
+  return std::make_unique<OneCurveModel>(*this, material, std::move(pixels), std::move(law));
 }
 
 }  // namespace sonarcal::calib

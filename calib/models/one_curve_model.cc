@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "calib/models/acoustic_evaluation.h"
 #include "calib/models/pixel_math.h"
 
 namespace sonarcal::calib {
@@ -17,13 +16,12 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 class OneCurveEvaluation final : public FrameEvaluation {
  public:
   // `columns`: of each active entry, its index in a row of the table; 0 if the curve does not depend on it.
-  OneCurveEvaluation(const OneCurvePixels& pixels, std::vector<double> curve,
-                     std::vector<std::size_t> columns, FrameModel::Terms wanted)
-      : pixels_(pixels), curve_(std::move(curve)), columns_(std::move(columns)), wanted_(wanted) {}
+  OneCurveEvaluation(const OneCurvePixels& pixels, const PixelLaw& law, std::vector<double> curve,
+                     std::vector<std::size_t> columns)
+      : pixels_(pixels), law_(law), curve_(std::move(curve)), columns_(std::move(columns)) {}
 
   bool Bins(int first, int last, PixelTerms& terms) const override {
     const auto count = static_cast<std::size_t>(last - first);
-    const bool derivatives = wanted_ != FrameModel::Terms::kResiduals;
     thread_local std::vector<std::uint32_t> pixels;
     thread_local std::vector<double> sums;
     thread_local std::vector<double> mean;
@@ -32,39 +30,26 @@ class OneCurveEvaluation final : public FrameEvaluation {
     sums.resize(count * sim::kCurveStride);
     mean.resize(count);
     pixel_math::SumCurves(pixels_.echoes, pixels, curve_, sums.data());
-    bool valid = true;
-    for (std::size_t i = 0; i < count; ++i) {
-      mean[i] = pixels_.rest[first + i] + sums[i * sim::kCurveStride];
-      valid = valid && mean[i] > 0.0 && std::isfinite(mean[i]);
-    }
-    if (!valid) return false;
+    for (std::size_t i = 0; i < count; ++i) mean[i] = pixels_.rest[first + i] + sums[i * sim::kCurveStride];
     terms.residual.resize(count);
     terms.slope.resize(count);
-    terms.information.assign(wanted_ == FrameModel::Terms::kInformation ? count : 0, 0.0);
-    terms.eta_jacobian.assign(derivatives ? count * columns_.size() : 0, 0.0);
+    terms.information.resize(count);
+    terms.eta_jacobian.assign(count * columns_.size(), 0.0);
     terms.repeat_factor.clear();
-    pixel_math::Likelihood(&pixels_.power[first], mean.data(), static_cast<int>(count), pixels_.looks,
-                           terms.residual.data(), terms.slope.data());
-    for (std::size_t i = 0; i < count; ++i) {
-      const double weight = pixels_.weight[first + i];
-      const double root = std::sqrt(weight);
-      terms.residual[i] *= root;
-      terms.slope[i] *= root;
-      if (!terms.information.empty()) terms.information[i] = weight * pixels_.looks;
-      if (!derivatives) continue;
-      for (std::size_t k = 0; k < columns_.size(); ++k) {
-        if (columns_[k] == 0) continue;
-        terms.eta_jacobian[i * columns_.size() + k] = sums[i * sim::kCurveStride + columns_[k]] / mean[i];
-      }
+    if (!law_.Judge(first, mean, terms)) return false;
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      if (columns_[k] == 0) continue;
+      for (std::size_t i = 0; i < count; ++i)
+        terms.eta_jacobian[i * columns_.size() + k] = sums[i * sim::kCurveStride + columns_[k]];
     }
     return true;
   }
 
  private:
   const OneCurvePixels& pixels_;
+  const PixelLaw& law_;
   std::vector<double> curve_;
   std::vector<std::size_t> columns_;
-  FrameModel::Terms wanted_;
 };
 
 class QuadraticEvaluation final : public FrameEvaluation {
@@ -88,7 +73,7 @@ class QuadraticEvaluation final : public FrameEvaluation {
   RowMajor jacobian_;
 };
 
-// About a curve with the power `at` (a value per coarse incidence node).
+// About a curve with the values `at`, one per coarse incidence node.
 struct QuadraticCost {
   Eigen::VectorXd at;
   double cost = 0.0;
@@ -96,22 +81,25 @@ struct QuadraticCost {
   Eigen::MatrixXd curvature;  // expected information
 };
 
-// Each eigenvector of the curvature is a pixel: its residual is linear in the power of the nodes.
+// Each eigenvector of the curvature is a pixel: its residual is linear in the values of the nodes.
 class CurveQuadratic final : public FrameOfCurve {
  public:
-  CurveQuadratic(const FrameModel& of, int material, const QuadraticCost& cost);
+  // The law must outlive it.
+  CurveQuadratic(const FrameModel& of, int material, const PixelLaw& law, const QuadraticCost& cost);
 
   int range_bins() const override { return static_cast<int>(offset_.size()); }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
 
  private:
-  Eigen::MatrixXd by_node_;  // residuals = by_node_ * power of the nodes + offset_
+  const PixelLaw& law_;
+  Eigen::MatrixXd by_node_;  // residuals = by_node_ * values of the nodes + offset_
   Eigen::VectorXd offset_;
 };
 
-CurveQuadratic::CurveQuadratic(const FrameModel& of, int material, const QuadraticCost& cost)
-    : FrameOfCurve(of, material) {
+CurveQuadratic::CurveQuadratic(const FrameModel& of, int material, const PixelLaw& law,
+                               const QuadraticCost& cost)
+    : FrameOfCurve(of, material), law_(law) {
   constexpr double kOfLargest = 1e-12;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(cost.curvature);
   const Eigen::Index nodes = cost.at.size();
@@ -132,7 +120,7 @@ CurveQuadratic::CurveQuadratic(const FrameModel& of, int material, const Quadrat
 
 std::unique_ptr<FrameEvaluation> CurveQuadratic::At(int /*frame*/, const ParameterValues& values,
                                                     std::span<const int> active, Terms wanted) const {
-  const std::vector<double> table = CurveTable(values);
+  const std::vector<double> table = law_.Table(CurveAt(values));
   const Eigen::Map<const RowMajor> rows(table.data(), by_node_.cols(), sim::kCurveStride);
   const std::vector<std::size_t> columns =
       wanted == Terms::kResiduals ? std::vector<std::size_t>() : CurveColumns(active);
@@ -146,15 +134,13 @@ std::unique_ptr<FrameEvaluation> CurveQuadratic::At(int /*frame*/, const Paramet
 
 }  // namespace
 
-std::vector<double> FrameOfCurve::CurveTable(const ParameterValues& values) const {
+GsabParameters<double> FrameOfCurve::CurveAt(const ParameterValues& values) const {
   std::array<double, sim::kCurveTerms - 1> of_curve{};
   for (std::size_t i = 0; i < catalog().size(); ++i) {
     if (IsOfCurve(catalog()[i])) of_curve[catalog()[i].index] = values[i];
   }
   const auto [a, b, c, d, e, f] = of_curve;
-  std::vector<double> table;
-  AppendCurve({.a = a, .b_deg = b, .c = c, .d = d, .e = e, .f_deg = f}, table);
-  return table;
+  return {.a = a, .b_deg = b, .c = c, .d = d, .e = e, .f_deg = f};
 }
 
 std::vector<std::size_t> FrameOfCurve::CurveColumns(std::span<const int> entries) const {
@@ -170,11 +156,12 @@ std::unique_ptr<FrameEvaluation> OneCurveModel::At(int /*frame*/, const Paramete
                                                    std::span<const int> active, Terms wanted) const {
   std::vector<std::size_t> columns;
   if (wanted != Terms::kResiduals) columns = CurveColumns(active);
-  return std::make_unique<OneCurveEvaluation>(pixels_, CurveTable(values), std::move(columns), wanted);
+  return std::make_unique<OneCurveEvaluation>(pixels_, *law_, law_->Table(CurveAt(values)),
+                                              std::move(columns));
 }
 
 std::unique_ptr<FrameModel> OneCurveModel::Quadratic(const ParameterValues& values) const {
-  const std::vector<double> table = CurveTable(values);
+  const std::vector<double> table = law_->Table(CurveAt(values));
   const auto nodes = static_cast<Eigen::Index>(table.size()) / sim::kCurveStride;
   PixelTerms terms;
   if (!At(0, values, {}, Terms::kDerivatives)->Bins(0, range_bins(), terms)) return nullptr;
@@ -185,17 +172,16 @@ std::unique_ptr<FrameModel> OneCurveModel::Quadratic(const ParameterValues& valu
   for (std::size_t pixel = 0; pixel < pixels_.rest.size(); ++pixel) {
     const std::span entries(pixels_.echoes.entries.begin() + pixels_.echoes.start[pixel],
                             pixels_.echoes.entries.begin() + pixels_.echoes.start[pixel + 1]);
-    double mean = pixels_.rest[pixel];
-    for (const auto& [node, weight] : entries) mean += weight * cost.at(node);
-    const double along = terms.slope[pixel] * terms.residual[pixel] / mean;
-    const double information = pixels_.weight[pixel] * pixels_.looks / (mean * mean);
+    const double along = terms.slope[pixel] * terms.residual[pixel];
+    const double information = terms.information[pixel];
+    cost.cost += 0.5 * terms.residual[pixel] * terms.residual[pixel];
+    if (along == 0.0 && information == 0.0) continue;
     for (const auto& [row, weight] : entries) {
       cost.gradient(row) += along * weight;
       for (const auto& [column, other] : entries) cost.curvature(row, column) += information * weight * other;
     }
-    cost.cost += 0.5 * terms.residual[pixel] * terms.residual[pixel];
   }
-  return std::make_unique<CurveQuadratic>(of(), material(), cost);
+  return std::make_unique<CurveQuadratic>(of(), material(), *law_, cost);
 }
 
 std::unique_ptr<OneCurveModel> FrameModel::OfCurve(int /*material*/,

@@ -1,7 +1,9 @@
 // Models of the pixels that show one material, as functions of its curve alone. Everything else stays, so
 // that a pixel is a sum over the incidence nodes of the curve and a constant:
 //
-//   mean = rest + sum over entries of weight x sigma(incidence).
+//   mean = rest + sum over entries of weight x curve(incidence).
+//
+// The curve is in power for the acoustic model and in dB for the paper's.
 //
 // For searches that move one curve many times: other pixels, other materials and the receiver cost nothing.
 #pragma once
@@ -35,9 +37,8 @@ class FrameOfCurve : public FrameModel {
  protected:
   const FrameModel& of() const { return of_; }
   int material() const { return material_; }
-  // Power of the curve and its derivatives by A to F at these values, kCurveStride values per coarse
-  // incidence node.
-  std::vector<double> CurveTable(const ParameterValues& values) const;
+  // The curve's parameters at these values.
+  GsabParameters<double> CurveAt(const ParameterValues& values) const;
   // Column of the table for each entry; 0 for an entry of something else.
   std::vector<std::size_t> CurveColumns(std::span<const int> entries) const;
 
@@ -52,31 +53,41 @@ class FrameOfCurve : public FrameModel {
 
 // Pixels of all frames, one after the other.
 struct OneCurvePixels {
-  sim::PixelEchoes echoes = {.materials = 1, .start = {0}, .entries = {}};  // weights include the gain
-  std::vector<double> rest;                                                 // mean power
-  std::vector<double> power;                                                // recorded
-  std::vector<double> weight;                                               // of the likelihood
-  double looks = 1.0;
+  sim::PixelEchoes echoes = {.materials = 1, .start = {0}, .entries = {}};
+  std::vector<double> rest;
+};
+
+// What a model makes of such pixels.
+class PixelLaw {
+ public:
+  virtual ~PixelLaw() = default;
+
+  // Returns the curve and its derivatives by A to F, kCurveStride values per coarse incidence node.
+  virtual std::vector<double> Table(const GsabParameters<double>& curve) const = 0;
+  // Sets residuals, their slopes by the mean, and the information on it, of consecutive pixels. All three have
+  // the size of `mean`. Thread-safe. Returns false if a pixel has no value.
+  virtual bool Judge(std::size_t first, std::span<const double> mean, PixelTerms& terms) const = 0;
 };
 
 // Half the sum of its squared residuals is that of the pixels alone. It differs from that of a model of all
 // pixels by a constant.
 class OneCurveModel final : public FrameOfCurve {
  public:
-  OneCurveModel(const FrameModel& of, int material, OneCurvePixels pixels)
-      : FrameOfCurve(of, material), pixels_(std::move(pixels)) {}
+  OneCurveModel(const FrameModel& of, int material, OneCurvePixels pixels, std::unique_ptr<PixelLaw> law)
+      : FrameOfCurve(of, material), pixels_(std::move(pixels)), law_(std::move(law)) {}
 
   int range_bins() const override { return static_cast<int>(pixels_.rest.size()); }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
 
-  // Returns the cost to second order in the power of the curve at the incidence nodes, about these values. A
+  // Returns the cost to second order in the curve at the incidence nodes, about these values. A
   // fit to it takes microseconds, and ends near an optimum of this model. A fit to this model that starts
   // there needs few steps. Null if this model has no value at these values.
   std::unique_ptr<FrameModel> Quadratic(const ParameterValues& values) const;
 
  private:
   OneCurvePixels pixels_;
+  std::unique_ptr<PixelLaw> law_;
 };
 
 }  // namespace sonarcal::calib

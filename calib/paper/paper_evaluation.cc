@@ -17,24 +17,26 @@ constexpr std::size_t kAtOnce = 64;  // pixels; their sums stay in the first-lev
 constexpr std::size_t kOfLevel = sim::kCurveTerms;
 static_assert(kOfLevel < sim::kCurveStride);
 
-std::vector<double> TabulateEchoes(const sim::PaperParameters<double>& parameters) {
+}  // namespace
+
+void AppendEchoes(const sim::PaperParameters<double>& parameters, const GsabParameters<double>& curve,
+                  std::vector<double>& table) {
   const double per_db = 1.0 / (parameters.display.db_max - parameters.display.db_min);
-  const double without_loss = sim::NormalisedPaperEcho(parameters, 0.0, 0.0);
+  const CurveDual without_loss(sim::NormalisedPaperEcho(parameters, 0.0, 0.0));
+  const GsabParameters<CurveDual> gsab = WithDerivatives(curve);
+  for (std::size_t node = 0; node < sim::CoarseIncidenceDeg().size(); ++node)
+    AppendNode(without_loss + per_db * sim::GsabDb(gsab, sim::PaperIncidenceDeg(node)), table, per_db);
+}
+
+std::vector<double> TabulateEchoes(const sim::PaperParameters<double>& parameters) {
   std::vector<double> table;
-  for (const GsabParameters<double>& curve : parameters.materials) {
-    const GsabParameters<CurveDual> gsab = WithDerivatives(curve);
-    for (std::size_t node = 0; node < sim::CoarseIncidenceDeg().size(); ++node) {
-      AppendNode(CurveDual(without_loss) + CurveDual(per_db) * sim::GsabDb(gsab, sim::PaperIncidenceDeg(node)),
-                 table, per_db);
-    }
-  }
+  for (const GsabParameters<double>& curve : parameters.materials) AppendEchoes(parameters, curve, table);
   return table;
 }
 
-}  // namespace
-
 PaperEvaluation::PaperEvaluation(const std::vector<CatalogEntry>& catalog,
                                  const sim::PaperParameters<double>& parameters,
+                                 std::shared_ptr<const std::vector<double>> table,
                                  std::shared_ptr<const sim::PaperEchoes> echoes, const PaperRecord& recorded,
                                  int beams, const PaperLikelihood* likelihood, std::span<const int> active,
                                  std::vector<PaperSlope> slopes, FrameModel::Terms wanted)
@@ -46,7 +48,7 @@ PaperEvaluation::PaperEvaluation(const std::vector<CatalogEntry>& catalog,
       wanted_(wanted),
       materials_(parameters.materials.size()),
       span_db_(parameters.display.db_max - parameters.display.db_min),
-      curves_(TabulateEchoes(parameters)) {
+      table_(std::move(table)) {
   if (wanted == FrameModel::Terms::kResiduals) return;
   for (const int entry : active) {
     const auto slope = std::ranges::find(slopes_, entry, &PaperSlope::entry);
@@ -72,7 +74,7 @@ void PaperEvaluation::ForPixels(std::size_t first, std::size_t last, const Body&
     pixels.resize(std::min(kAtOnce, last - begin));
     std::iota(pixels.begin(), pixels.end(), static_cast<std::uint32_t>(begin));
     sums.resize(pixels.size() * stride);
-    pixel_math::SumCurves(echoes_->nodes, pixels, curves_, sums.data());
+    pixel_math::SumCurves(echoes_->nodes, pixels, *table_, sums.data());
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       const double* of = &sums[i * stride];
       double sum = -echoes_->loss_db[begin + i] / span_db_;
@@ -129,7 +131,7 @@ bool PaperEvaluation::Bins(int first, int last, PixelTerms& terms) const {
     const PaperResidual of = ResidualOf(sum, recorded_.measured[pixel]);
     terms.residual[i] = of.residual;
     terms.slope[i] = of.slope;
-    if (!derivatives) return;
+    if (!derivatives || of.slope == 0.0) return;
     terms.information[i] = of.slope * of.slope;
     for (std::size_t k = 0; k < columns; ++k)
       terms.eta_jacobian[i * columns + k] = Derivative(columns_[k], pixel, sums, sum);

@@ -28,11 +28,20 @@ struct PaperRecord {
   double level = 0.0;                 // one grey level as a fraction of full scale; 0: values are not rounded
 };
 
+// Echoes by incidence, kCurveStride values per coarse node and material: the echo without loss as a fraction
+// of the display's span, its derivatives by A to F, and the derivative by the source level.
+std::vector<double> TabulateEchoes(const sim::PaperParameters<double>& parameters);
+// Appends those of one curve.
+void AppendEchoes(const sim::PaperParameters<double>& parameters, const GsabParameters<double>& curve,
+                  std::vector<double>& table);
+
 class PaperEvaluation final : public FrameEvaluation {
  public:
-  // Catalog, recorded data and likelihood must outlive the evaluation. `likelihood`: null for the difference
+  // Catalog, recorded data and likelihood must outlive the evaluation. `table`: by TabulateEchoes, because all
+  // frames share it. `likelihood`: null for the difference
   // of the clamped image from the recorded one. `slopes`: of the active entries of range and azimuth errors.
   PaperEvaluation(const std::vector<CatalogEntry>& catalog, const sim::PaperParameters<double>& parameters,
+                  std::shared_ptr<const std::vector<double>> table,
                   std::shared_ptr<const sim::PaperEchoes> echoes, const PaperRecord& recorded, int beams,
                   const PaperLikelihood* likelihood, std::span<const int> active,
                   std::vector<PaperSlope> slopes, FrameModel::Terms wanted);
@@ -64,9 +73,7 @@ class PaperEvaluation final : public FrameEvaluation {
   FrameModel::Terms wanted_;
   std::size_t materials_;
   double span_db_;
-  // kCurveStride values per node and material: the echo as a fraction of the display's span, its derivatives
-  // by A to F, and the derivative by the source level.
-  std::vector<double> curves_;
+  std::shared_ptr<const std::vector<double>> table_;
   std::vector<Column> columns_;
 };
 

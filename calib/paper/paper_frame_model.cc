@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/models/one_curve_model.h"
 #include "calib/paper/coarse_paper.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -134,6 +135,76 @@ std::unique_ptr<PaperFrameModel> PaperFrameModel::InBlocks() const {
     model->SetNoise(noise);
   }
   return model;
+}
+
+namespace {
+
+// Recorded values of pixels that show one material.
+class GreyLaw final : public PixelLaw {
+ public:
+  GreyLaw(const PaperLikelihood& likelihood, sim::PaperParameters<double> parameters)
+      : likelihood_(likelihood), parameters_(std::move(parameters)) {}
+
+  void Add(double measured, double level) {
+    measured_.push_back(measured);
+    level_.push_back(level);
+  }
+
+  std::vector<double> Table(const GsabParameters<double>& curve) const override {
+    std::vector<double> table;
+    AppendEchoes(parameters_, curve, table);
+    return table;
+  }
+
+  bool Judge(std::size_t first, std::span<const double> mean, PixelTerms& terms) const override {
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      const auto [residual, slope] = likelihood_.Residual(mean[i], measured_[first + i], level_[first + i]);
+      terms.residual[i] = residual;
+      terms.slope[i] = slope;
+      terms.information[i] = slope * slope;
+    }
+    return true;
+  }
+
+ private:
+  PaperLikelihood likelihood_;
+  sim::PaperParameters<double> parameters_;
+  std::vector<double> measured_;
+  std::vector<double> level_;
+};
+
+}  // namespace
+
+std::unique_ptr<OneCurveModel> PaperFrameModel::OfCurve(int material, const ParameterValues& values) const {
+  if (!likelihood_) return nullptr;
+  const sim::PaperParameters<double> parameters =
+      ParametersAt<double>([&](int entry) { return values[entry]; });
+  const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
+  const std::uint32_t first_node = nodes * static_cast<std::uint32_t>(material);
+  const std::shared_ptr<const std::vector<double>> table = TableOf(parameters);
+  OneCurvePixels pixels;
+  auto law = std::make_unique<GreyLaw>(*likelihood_, parameters);
+  for (int frame = 0; frame < frame_count(); ++frame) {
+    const FitFrame& of = frames_[frame];
+    const std::vector<double> sums = EvaluationAt(frame, parameters, {}, {}, Terms::kResiduals)->Sums();
+    const std::shared_ptr<const sim::PaperEchoes> echoes = EchoesOf(frame, parameters.jitter);
+    for (std::size_t pixel = 0; pixel < sums.size(); ++pixel) {
+      if (!Counts(frame, pixel)) continue;
+      double shown = 0.0;
+      for (std::uint32_t e = echoes->nodes.start[pixel]; e < echoes->nodes.start[pixel + 1]; ++e) {
+        const auto [node, weight] = echoes->nodes.entries[e];
+        if (node < first_node || node >= first_node + nodes) continue;
+        pixels.echoes.entries.push_back({node - first_node, weight});
+        shown += weight * (*table)[std::size_t{sim::kCurveStride} * node];
+      }
+      const auto end = static_cast<std::uint32_t>(pixels.echoes.entries.size());
+      if (end == pixels.echoes.start.back()) continue;
+      pixels.echoes.start.push_back(end);
+      pixels.rest.push_back(sums[pixel] - shown);
+      law->Add(of.measured[pixel], of.level);
+    }
+  }
+  return std::make_unique<OneCurveModel>(*this, material, std::move(pixels), std::move(law));
 }
 
 std::unique_ptr<FrameModel> PaperFrameModel::Coarse(std::size_t /*wanted_pixels*/) const {
@@ -266,6 +337,19 @@ std::shared_ptr<const sim::PaperEchoes> PaperFrameModel::EchoesOf(
   return echoes;
 }
 
+std::shared_ptr<const std::vector<double>> PaperFrameModel::TableOf(
+    const sim::PaperParameters<double>& parameters) const {
+  std::vector<double> of = {parameters.source_level_db, parameters.display.db_min, parameters.display.db_max};
+  for (const GsabParameters<double>& g : parameters.materials)
+    of.insert(of.end(), {g.a, g.b_deg, g.c, g.d, g.e, g.f_deg});
+  const std::lock_guard lock(gathered_.mutex);
+  if (gathered_.table == nullptr || of != gathered_.of_table) {
+    gathered_.table = std::make_shared<const std::vector<double>>(TabulateEchoes(parameters));
+    gathered_.of_table = std::move(of);
+  }
+  return gathered_.table;
+}
+
 std::vector<PaperSlope> PaperFrameModel::ErrorSlopes(int frame, const ParameterValues& values,
                                                      std::span<const int> active) const {
   std::vector<PaperSlope> slopes;
@@ -292,7 +376,7 @@ std::unique_ptr<PaperEvaluation> PaperFrameModel::EvaluationAt(int frame,
                                                                Terms wanted) const {
   const FitFrame& of = frames_[frame];
   return std::make_unique<PaperEvaluation>(
-      catalog_, parameters, EchoesOf(frame, parameters.jitter),
+      catalog_, parameters, TableOf(parameters), EchoesOf(frame, parameters.jitter),
       PaperRecord{.measured = of.measured, .use = of.use, .level = of.level}, beams(),
       likelihood_ ? &*likelihood_ : nullptr, active, std::move(slopes), wanted);
 }

@@ -63,6 +63,8 @@ class PaperFrameModel : public FrameModel {
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
   std::unique_ptr<FrameModel> Coarse(std::size_t wanted_pixels) const override;
+  // Null while the noise is unknown.
+  std::unique_ptr<OneCurveModel> OfCurve(int material, const ParameterValues& values) const override;
 
   // Returns the same frames in blocks of pixels: a tenth of the work, with nearly all the information on
   // curves and display. The result owns its frames. Its noise is that of block means. Null if the image
@@ -90,6 +92,8 @@ class PaperFrameModel : public FrameModel {
   }
   // Echoes of a frame through these errors, gathered or kept from the last call.
   std::shared_ptr<const sim::PaperEchoes> EchoesOf(int frame, const JitterParameters<double>& errors) const;
+  // Table of the curves at these values, kept from the last call.
+  std::shared_ptr<const std::vector<double>> TableOf(const sim::PaperParameters<double>& parameters) const;
   // Derivatives of a frame by the active sizes of range and azimuth errors.
   std::vector<PaperSlope> ErrorSlopes(int frame, const ParameterValues& values,
                                       std::span<const int> active) const;
@@ -112,7 +116,7 @@ class PaperFrameModel : public FrameModel {
   std::vector<CatalogEntry> catalog_;
   std::vector<bool> shown_;
   std::optional<PaperLikelihood> likelihood_;
-  // Gathered echoes of the frames.
+  // Gathered echoes of the frames, and the last table.
   struct Gathered {
     struct Frame {
       std::array<double, 3> at = {};  // sizes of the errors and their reference range
@@ -121,6 +125,8 @@ class PaperFrameModel : public FrameModel {
     std::mutex mutex;
     std::vector<Frame> frames;
     std::size_t bytes = 0;
+    std::vector<double> of_table;  // the values that it depends on
+    std::shared_ptr<const std::vector<double>> table;
   };
   mutable Gathered gathered_;
 };

@@ -56,8 +56,8 @@ class NodeLines {
   }
 
  private:
-  std::size_t line_;  // values of a line
-  int values_;        // per beam
+  std::size_t line_;       // values of a line
+  int values_;             // per beam
   std::vector<int> slot_;  // per node, -1 if it does not occur
   std::vector<std::uint32_t> nodes_;
   std::vector<std::pair<int, int>> reach_;
@@ -125,7 +125,8 @@ class Gatherer {
       const double range_offset = blur_.RangeOffset(cell);
       const auto add = [&](std::uint32_t node, double value) {
         const int last = beams.first + static_cast<int>(beams.weight.size());
-        float* to = lines.Line(node, beams.first, last) + static_cast<std::ptrdiff_t>(kRowValues) * beams.first;
+        float* to =
+            lines.Line(node, beams.first, last) + static_cast<std::ptrdiff_t>(kRowValues) * beams.first;
         for (const double weight : beams.weight) {
           const double at = weight * value;
           *to++ += static_cast<float>(at);
