@@ -4,11 +4,12 @@
 //   sum(r, b) = (sum over entries of weight x (SL - NL + AG - dB_min + TS_material(incidence)) - loss) / span,
 //
 // so a fit of backscatter curves and display needs no blur. sim/paper/expected_paper_image.h computes the same
-// cell by cell. Nodes are those of PixelEchoes. Interpolation is linear in dB; its errors:
+// cell by cell. Nodes are those of PixelEchoes. Interpolation is linear in dB; its errors up to 80 degrees:
 //
-//   Gaussian of half-width 3 degrees           0.02 dB
-//   Gaussian of half-width 1 degree            0.2 dB
-//   cosine of exponent up to 2, to 80 degrees  0.1 dB
+//   the paper's own curve                                   0.02 dB
+//   Gaussian of B = 3 degrees, 20 dB above a cosine         0.03 dB
+//   Gaussian of B = 1 degree, 30 dB above a cosine          0.4 dB
+//   cosine of exponent 2 (0.18 dB from 80 to 86 degrees)    0.04 dB
 #pragma once
 
 #include <vector>

@@ -33,7 +33,9 @@ void ExpectDerivativesOfResiduals(const FrameModel& model, const ParameterValues
   for (std::size_t k = 0; k < active.size(); ++k) {
     const CatalogEntry& entry = model.catalog()[active[k]];
     // An echo changes by a factor per small move where a pulse begins or ends.
-    const double step = IsPlacement(entry) ? 1e-5 : 1e-4 * (entry.logarithmic ? values[active[k]] : 1.0);
+    // Echoes through other range and azimuth errors are gathered anew, without shares below 1e-6 of a pixel.
+    const double relative = entry.group == ParameterGroup::kJitter ? 1e-3 : 1e-4;
+    const double step = IsPlacement(entry) ? 1e-5 : relative * (entry.logarithmic ? values[active[k]] : 1.0);
     double largest = 0.0;
     double worst = 0.0;
     long kinks = 0;
@@ -82,10 +84,11 @@ TEST_F(SmallTankModels, PaperDerivativesEqualCentralDifferences) {
   const PaperFrameModel model(frames, geometry, materials_, testing::SmallTankTruth());
   // Rows of cells whose azimuth errors differ by less than 1 % share a kernel, corrected to first order: the
   // slope is that of the kernel, up to 0.01 x |sigma w''| / |w'| away.
-  ExpectDerivativesOfResiduals(
-      model, model.Values(testing::SmallTankTruth()), AllOf(model), [](const CatalogEntry& entry) {
-        return entry.group == ParameterGroup::kJitter && entry.index > 0 ? 1e-2 : 1e-5;
-      });
+  ExpectDerivativesOfResiduals(model, model.Values(testing::SmallTankTruth()), AllOf(model),
+                               [](const CatalogEntry& entry) {
+                                 if (entry.group != ParameterGroup::kJitter) return 1e-5;
+                                 return entry.index > 0 ? 1e-2 : 1e-3;
+                               });
 }
 
 // Recorded powers that are nothing like the model's: clipped at either end, far above and far below.
