@@ -34,7 +34,7 @@ void ExpectDerivativesOfResiduals(const FrameModel& model, const ParameterValues
     const CatalogEntry& entry = model.catalog()[active[k]];
     // An echo changes by a factor per small move where a pulse begins or ends.
     // Echoes through other range and azimuth errors are gathered anew, without shares below 1e-6 of a pixel.
-    const double relative = entry.group == ParameterGroup::kJitter ? 1e-3 : 1e-4;
+    const double relative = entry.group == ParameterGroup::kJitter ? 5e-3 : 1e-4;
     const double step = IsPlacement(entry) ? 1e-5 : relative * (entry.logarithmic ? values[active[k]] : 1.0);
     double largest = 0.0;
     double worst = 0.0;
