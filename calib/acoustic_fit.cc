@@ -173,7 +173,7 @@ class AcousticFitter {
     OtherRays(const AcousticFitter& fitter, const ParameterValues& values, const std::vector<int>& geometric)
         : simulator_(fitter.simulator_.shared_caster(), fitter.simulator_.sonar(),
                      Options(fitter.model_->simulator().options())),
-          model_(*fitter.model_, simulator_, values, geometric) {}
+          model_(AcousticFrameModel::OneFrameAtATime(*fitter.model_, simulator_, values, geometric)) {}
     OtherRays(const OtherRays&) = delete;
     OtherRays& operator=(const OtherRays&) = delete;
 

@@ -42,6 +42,22 @@ sim::AcousticGeometry GeometryWith(const sim::Simulator& simulator) {
 constexpr double kTransmitReach = 1.3;
 constexpr double kTransmitGridDeg = 5.0;  // step of the azimuth margin of the ghosts' fan of rays
 
+// Evaluation of echoes that nothing else keeps.
+class EvaluationWithEchoes final : public FrameEvaluation {
+ public:
+  EvaluationWithEchoes(const AcousticState& state, FrameEchoes echoes, const RecordedFrame& recorded,
+                       std::span<const int> active, FrameModel::Terms wanted)
+      : echoes_(std::move(echoes)), evaluation_(state, echoes_, recorded, active, wanted) {}
+
+  bool Bins(int first, int last, PixelTerms& terms) const override {
+    return evaluation_.Bins(first, last, terms);
+  }
+
+ private:
+  FrameEchoes echoes_;
+  AcousticEvaluation evaluation_;
+};
+
 }  // namespace
 
 std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const DisplayParameters<double>& display) {
@@ -125,7 +141,8 @@ AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
 }
 
 AcousticFrameModel::AcousticFrameModel(const AcousticFrameModel& other, const sim::Simulator& simulator,
-                                       const ParameterValues& values, const std::vector<int>& geometric)
+                                       const ParameterValues& values, const std::vector<int>& geometric,
+                                       bool keeps_echoes)
     : simulator_(simulator),
       objects_(other.objects_),
       outlines_(other.outlines_),
@@ -135,11 +152,22 @@ AcousticFrameModel::AcousticFrameModel(const AcousticFrameModel& other, const si
       initial_(other.Parameters(values)),
       catalog_(other.catalog_),
       initial_values_(other.initial_values_),
+      keeps_echoes_(keeps_echoes),
       weights_(other.weights_),
       repeat_shares_(other.repeat_shares_),
       shown_(other.shown_),
       reflected_(other.reflected_) {
   Linearise(values, geometric);
+}
+
+AcousticFrameModel AcousticFrameModel::OneFrameAtATime(const AcousticFrameModel& other,
+                                                       const sim::Simulator& simulator,
+                                                       const ParameterValues& values,
+                                                       const std::vector<int>& geometric) {
+  const bool keeps_echoes = std::ranges::any_of(geometric, [&](int entry) {
+    return ChangesScene(other.catalog_[entry]) && !IsRigidMove(other.catalog_[entry]);
+  });
+  return {other, simulator, values, geometric, keeps_echoes};
 }
 
 FrameModel::SpeckleCell AcousticFrameModel::speckle_cell() const {
@@ -414,6 +442,11 @@ bool AcousticFrameModel::KeepsEchoes(const ParameterValues& values, const std::v
 
 void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vector<int>& geometric) {
   at_point_ = SimulatorAt(values);
+  geometric_ = geometric;
+  if (!keeps_echoes_) {
+    point_ = values;
+    return;
+  }
   if (KeepsEchoes(values, geometric)) {
     for (FrameEchoes& echoes : echoes_) echoes.slopes.clear();
   } else {
@@ -513,12 +546,16 @@ std::unique_ptr<FrameEvaluation> AcousticFrameModel::At(int frame, const Paramet
   const AcousticFrame& of = frames_[frame];
   const ParameterSet parameters = Parameters(values);
   const std::span<const int> differentiated = wanted == Terms::kResiduals ? std::span<const int>{} : active;
-  return std::make_unique<AcousticEvaluation>(StateAt(parameters, values), echoes_[frame],
-                                              RecordedFrame{.power = of.recorded,
-                                                            .use = of.use,
-                                                            .weight = weights_[frame],
-                                                            .repeat_share = repeat_shares_[frame]},
-                                              differentiated, wanted);
+  const RecordedFrame recorded{
+      .power = of.recorded, .use = of.use, .weight = weights_[frame], .repeat_share = repeat_shares_[frame]};
+  if (keeps_echoes_) {
+    return std::make_unique<AcousticEvaluation>(StateAt(parameters, values), echoes_[frame], recorded,
+                                                differentiated, wanted);
+  }
+  FrameEchoes echoes = EchoesAbout(*at_point_, frame, point_, geometric_);
+  AddSlopesOfMoves(*at_point_, frame, point_, geometric_, echoes);
+  return std::make_unique<EvaluationWithEchoes>(StateAt(parameters, values), std::move(echoes), recorded,
+                                                differentiated, wanted);
 }
 
 std::optional<PixelBlock> AcousticFrameModel::BlockFor(std::size_t wanted_pixels) const {

@@ -61,7 +61,12 @@ class AcousticFrameModel final : public FrameModel {
   // Model of the same frames and parameters by the rays of another simulator of the same scene and sonar,
   // traced about `values` as Linearise does.
   AcousticFrameModel(const AcousticFrameModel& other, const sim::Simulator& simulator,
-                     const ParameterValues& values, const std::vector<int>& geometric);
+                     const ParameterValues& values, const std::vector<int>& geometric)
+      : AcousticFrameModel(other, simulator, values, geometric, /*keeps_echoes=*/true) {}
+  // As above, for one use of each frame: traces and gathers a frame when it is evaluated, so that the memory
+  // is that of one frame. Changes of the scene need all frames at once and keep them.
+  static AcousticFrameModel OneFrameAtATime(const AcousticFrameModel& other, const sim::Simulator& simulator,
+                                            const ParameterValues& values, const std::vector<int>& geometric);
 
   const std::vector<CatalogEntry>& catalog() const override { return catalog_; }
   int frame_count() const override { return static_cast<int>(frames_.size()); }
@@ -171,6 +176,8 @@ class AcousticFrameModel final : public FrameModel {
                                           std::size_t wanted_pixels) const override;
 
  private:
+  AcousticFrameModel(const AcousticFrameModel& other, const sim::Simulator& simulator,
+                     const ParameterValues& values, const std::vector<int>& geometric, bool keeps_echoes);
   Pose PoseEntries(int frame, const ParameterValues& values) const;
   AcousticState StateAt(const ParameterSet& parameters, const ParameterValues& values) const;
   // Echoes of a frame at two sets of values, and the difference of these values.
@@ -225,6 +232,8 @@ class AcousticFrameModel final : public FrameModel {
   std::vector<CatalogEntry> catalog_;
   ParameterValues initial_values_;
   ParameterValues point_;
+  bool keeps_echoes_ = true;
+  std::vector<int> geometric_;  // of the last Linearise
   std::vector<FrameEchoes> echoes_;
   std::vector<std::vector<float>> weights_;
   std::vector<std::vector<float>> repeat_shares_;

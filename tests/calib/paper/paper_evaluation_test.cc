@@ -60,10 +60,8 @@ TEST(PaperEvaluation, SumsAreThoseOfTheImageCellByCell) {
   const std::vector<std::string> materials = simulator.caster().material_names();
   const sim::ImageGeometry geometry(simulator.sonar(), simulator.absorption_db_per_m());
   const ParameterSet truth = testing::SmallTankTruth();
-  const std::vector<FitFrame> frames =
-      testing::MakeFitFrames(simulator, [&](const sim::EchoList& echoes, int) {
-        return simulator.RenderExpected(echoes, truth);
-      });
+  const std::vector<FitFrame> frames = testing::MakeFitFrames(
+      simulator, [&](const sim::EchoList& echoes, int) { return simulator.RenderExpected(echoes, truth); });
   const PaperFrameModel model(frames, geometry, materials, truth);
   const double bin_m = geometry.axes.range_bin_m();
   for (const double range_bins : {0.0, 0.7, 5.0}) {
