@@ -90,7 +90,8 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
     json["curves"].push_back({{"material", curve.material},
                               {"incidence_deg", curve.incidence_deg},
                               {"backscatter_db", curve.backscatter_db},
-                              {"sigma_db", std::move(sigma_db)}});
+                              {"sigma_db", std::move(sigma_db)},
+                              {"determined", curve.determined}});
     if (!curve.truth_db.empty()) json["curves"].back()["truth_db"] = curve.truth_db;
   }
   if (report.curves_level) {

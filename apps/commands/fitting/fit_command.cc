@@ -98,9 +98,10 @@ std::string CurvesText(const calib::FitReport& report,
       const auto i = static_cast<std::size_t>(deg);  // one value per degree
       if (deg < range->second.low_deg || deg > range->second.high_deg || i >= curve.backscatter_db.size())
         continue;
-      text += fmt::format("    {:>2} deg  {:>7.2f} +- {:.2f}{}\n", deg, curve.backscatter_db[i],
+      text += fmt::format("    {:>2} deg  {:>7.2f} +- {:.2f}{}{}\n", deg, curve.backscatter_db[i],
                           kSigmasOf95 * curve.sigma_db[i],
-                          curve.truth_db.empty() ? "" : fmt::format("  truth {:>7.2f}", curve.truth_db[i]));
+                          curve.truth_db.empty() ? "" : fmt::format("  truth {:>7.2f}", curve.truth_db[i]),
+                          curve.determined[i] ? "" : "  pulled by its prior");
     }
   }
   if (text.empty()) return text;

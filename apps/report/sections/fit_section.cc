@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -103,14 +104,13 @@ Table ValueTable(const calib::FitReport& fit) {
 }
 
 ChartSeries CurveOf(const std::string& name, const GsabParameters<double>& gsab, int colour,
-                    SeriesStyle style, const std::optional<workflow::IncidenceRange>& only_within) {
+                    SeriesStyle style, const std::function<bool(double)>& shows) {
   ChartSeries series{.name = name, .x = {}, .y = {}, .style = style, .colour = colour};
   for (int step = 0; step * kCurveStepDeg <= 90.0; ++step) {
     const double incidence_deg = step * kCurveStepDeg;
-    const bool shown =
-        !only_within || (incidence_deg >= only_within->low_deg && incidence_deg <= only_within->high_deg);
     series.x.push_back(incidence_deg);
-    series.y.push_back(shown ? sim::GsabDb(gsab, incidence_deg) : std::numeric_limits<double>::quiet_NaN());
+    series.y.push_back(shows(incidence_deg) ? sim::GsabDb(gsab, incidence_deg)
+                                            : std::numeric_limits<double>::quiet_NaN());
   }
   return series;
 }
@@ -149,11 +149,23 @@ LineChart CurveChart(const std::string& material, const workflow::RecordingFit& 
                   .alt = "Backscatter of " + material + " against incidence, before and after the fit"};
   const GsabParameters<double>& fitted = fit.fit.parameters.Material(material).gsab;
   const GsabParameters<double>& initial = fit.initial.Material(material).gsab;
-  if (initial != fitted) chart.series.push_back(CurveOf("initial", initial, 1, SeriesStyle::kDashed, {}));
+  const auto everywhere = [](double) { return true; };
+  if (initial != fitted)
+    chart.series.push_back(CurveOf("initial", initial, 1, SeriesStyle::kDashed, everywhere));
   const auto seen = fit.seen.find(material);
   if (seen != fit.seen.end()) {
-    chart.series.push_back(CurveOf("fitted, angles seen", fitted, 0, SeriesStyle::kLine, seen->second));
-    chart.series.push_back(CurveOf("fitted, not seen", fitted, 0, SeriesStyle::kDashed, {}));
+    const auto curve = std::ranges::find(fit.fit.report.curves, material, &calib::FittedCurve::material);
+    const auto determined = [&](double incidence_deg) {
+      return curve == fit.fit.report.curves.end() ||
+             curve->determined[static_cast<std::size_t>(std::lround(incidence_deg))];
+    };
+    chart.series.push_back(
+        CurveOf("fitted, determined", fitted, 0, SeriesStyle::kLine, [&](double incidence_deg) {
+          return incidence_deg >= seen->second.low_deg && incidence_deg <= seen->second.high_deg &&
+                 determined(incidence_deg);
+        }));
+    chart.series.push_back(
+        CurveOf("fitted, not seen or pulled by its prior", fitted, 0, SeriesStyle::kDashed, everywhere));
   }
   for (const calib::FittedCurve& curve : fit.fit.report.curves) {
     if (curve.material != material) continue;

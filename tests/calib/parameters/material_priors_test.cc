@@ -93,6 +93,8 @@ TEST(MaterialPriors, WhatTheDataDoNotDetermineHasCentreAndStandardErrorOfThePrio
   const FittedCurve& curve = with.report.curves.at(0);
   EXPECT_NEAR(curve.sigma_db[0], expected_db, 0.02 * expected_db);
   EXPECT_LT(curve.sigma_db[60], 0.5) << "where the data are, they decide";
+  EXPECT_FALSE(curve.determined[0]);
+  EXPECT_TRUE(curve.determined[60]);
   fmt::print("sigma at 0 degrees {:.2f} dB, of the prior {:.2f} dB; at 60 degrees {:.2f} dB\n",
              curve.sigma_db[0], expected_db, curve.sigma_db[60]);
 
