@@ -211,6 +211,7 @@ class AcousticFitter {
 
   void TakeAllRays() {
     if (&model_->simulator() == &simulator_) return;
+    model_->DropEchoes();
     model_ = std::make_unique<AcousticFrameModel>(*model_, simulator_, fit_.values, std::vector<int>());
   }
 

@@ -450,6 +450,7 @@ void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vec
   if (KeepsEchoes(values, geometric)) {
     for (FrameEchoes& echoes : echoes_) echoes.slopes.clear();
   } else {
+    DropEchoes();
     echoes_ = FramesAbout(*at_point_, values, geometric);
   }
   point_ = values;
@@ -457,6 +458,11 @@ void AcousticFrameModel::Linearise(const ParameterValues& values, const std::vec
     AddSlopesOfMoves(*at_point_, frame, values, geometric, echoes_[frame]);
   });
   AddSlopesOfScene(values, geometric, echoes_);
+}
+
+void AcousticFrameModel::DropEchoes() {
+  std::vector<FrameEchoes>().swap(echoes_);
+  point_.clear();
 }
 
 void AcousticFrameModel::AddSlopesOfScene(const ParameterValues& values, const std::vector<int>& geometric,

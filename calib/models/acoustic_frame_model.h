@@ -142,6 +142,9 @@ class AcousticFrameModel final : public FrameModel {
   // Echoes of the last point are kept if no geometric value changed.
   void Linearise(const ParameterValues& values, const std::vector<int>& geometric);
 
+  // Frees the memory of the echoes. Nothing can be evaluated before the next Linearise.
+  void DropEchoes();
+
   // Reduces the weight of pixels that do not match the scene at these values (calib/models/down_weight.h).
   void DownWeight(const ParameterValues& values);
   const std::vector<float>& weights(int frame) const { return weights_[frame]; }  // empty: all are 1
