@@ -376,7 +376,7 @@ class AcousticFitter {
   }
 
   // Fall of cost from the effect of noise on one parameter: half a nat per speckle cell.
-  double NoiseOfCost() const { return 0.5 * model_->speckle_cell().bins * model_->speckle_cell().beams; }
+  double NoiseOfCost() const { return 0.5 * model_->speckle_cell().pixels(); }
 
   // Two standard deviations of the cost from one pose to the next, because rays appear and disappear at
   // edges. They do so as well from one grid of rays to another, which is what is measured, per frame.

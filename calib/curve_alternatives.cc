@@ -88,7 +88,7 @@ class Search {
         point_(point),
         stop_(stop),
         fine_(model),
-        pixels_per_cell_(model.speckle_cell().bins * model.speckle_cell().beams),
+        pixels_per_cell_(model.speckle_cell().pixels()),
         coarse_(model.CoarseAbout(point.values, kCoarsePixels)),
         whole_(coarse_ != nullptr ? *coarse_ : model) {
     result_.widening.assign(catalog.size(), 1.0);

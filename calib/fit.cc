@@ -181,7 +181,7 @@ class Fitter {
     state_.values = best;
   }
 
-  double PixelsPerCell() const { return model_.speckle_cell().bins * model_.speckle_cell().beams; }
+  double PixelsPerCell() const { return model_.speckle_cell().pixels(); }
 
   double NegligibleNats() const { return options_.standard_errors ? kNegligibleNats : kNegligibleInSearch; }
 

@@ -135,8 +135,8 @@ class Stepper {
     const Eigen::VectorXd sigma = Scales();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sigma.asDiagonal() * slopes.information *
                                                                 sigma.asDiagonal());
-    const double pixels_per_cell = model_.speckle_cell().bins * model_.speckle_cell().beams;
-    const Eigen::ArrayXd told = (solver.eigenvalues().array() >= pixels_per_cell / kOpenShare).cast<double>();
+    const Eigen::ArrayXd told =
+        (solver.eigenvalues().array() >= model_.speckle_cell().pixels() / kOpenShare).cast<double>();
     const Eigen::MatrixXd& vectors = solver.eigenvectors();
     const auto along = [&](const Eigen::VectorXd& slope) {
       return (vectors.transpose() * slope).array().eval();

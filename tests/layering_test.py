@@ -48,6 +48,7 @@ FOLDERS = [
     "calib/shapes",
     "calib/parameters",
     "calib/models",
+    "calib/paper",
     "calib/poses",
     "calib",
     "calib/noise",

@@ -61,6 +61,8 @@ class FrameModel {
   struct SpeckleCell {
     double bins = 1.0;
     double beams = 1.0;
+
+    double pixels() const { return bins * beams; }
   };
   virtual SpeckleCell speckle_cell() const { return {}; }
 

@@ -57,15 +57,15 @@ struct OneCurvePixels {
   std::vector<double> rest;
 };
 
-// What a model makes of such pixels.
+// Curve and likelihood of such pixels.
 class PixelLaw {
  public:
   virtual ~PixelLaw() = default;
 
   // Returns the curve and its derivatives by A to F, kCurveStride values per coarse incidence node.
   virtual std::vector<double> Table(const GsabParameters<double>& curve) const = 0;
-  // Sets residuals, their slopes by the mean, and the information on it, of consecutive pixels. All three have
-  // the size of `mean`. Thread-safe. Returns false if a pixel has no value.
+  // Sets residuals, their slopes by the mean, and the information on it, of consecutive pixels. All three
+  // have the size of `mean`. Thread-safe. Returns false if a pixel has no value.
   virtual bool Judge(std::size_t first, std::span<const double> mean, PixelTerms& terms) const = 0;
 };
 

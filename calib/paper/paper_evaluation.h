@@ -1,5 +1,5 @@
-// A frame of the paper's model at one set of values: the sum of the echoes of each pixel before the clamp, its
-// derivatives, and the residuals. Range and azimuth errors are those of the gathered echoes; curves and
+// A frame of the paper's model at one set of values: the sum of the echoes of each pixel before the clamp,
+// its derivatives, and the residuals. Range and azimuth errors are those of the gathered echoes; curves and
 // display are exact.
 #pragma once
 
@@ -37,9 +37,9 @@ void AppendEchoes(const sim::PaperParameters<double>& parameters, const GsabPara
 
 class PaperEvaluation final : public FrameEvaluation {
  public:
-  // Catalog, recorded data and likelihood must outlive the evaluation. `table`: by TabulateEchoes, because all
-  // frames share it. `likelihood`: null for the difference
-  // of the clamped image from the recorded one. `slopes`: of the active entries of range and azimuth errors.
+  // Catalog, recorded data and likelihood must outlive the evaluation. `table`: by TabulateEchoes, because
+  // all frames share it. `likelihood`: null for the difference of the clamped image from the recorded one.
+  // `slopes`: of the active entries of range and azimuth errors.
   PaperEvaluation(const std::vector<CatalogEntry>& catalog, const sim::PaperParameters<double>& parameters,
                   std::shared_ptr<const std::vector<double>> table,
                   std::shared_ptr<const sim::PaperEchoes> echoes, const PaperRecord& recorded, int beams,

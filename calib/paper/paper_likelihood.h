@@ -28,7 +28,7 @@ struct PaperResidual {
   double slope = 0.0;  // d residual / d mean
 };
 
-// E[round(X)] for a mean of x >= 0, in grey levels, and its slope. Sums the probabilities of the first levels.
+// E[round(X)] for a mean of x >= 0, in grey levels, and its slope. Sums probabilities of the first levels.
 struct ValueAndSlope {
   double value = 0.0;
   double slope = 0.0;

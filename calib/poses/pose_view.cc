@@ -16,7 +16,7 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
       frame_(frame),
       parameters_(parameters),
       smoothing_(smoothing),
-      pixels_per_cell_(model.speckle_cell().bins * model.speckle_cell().beams),
+      pixels_per_cell_(model.speckle_cell().pixels()),
       lowest_(sim::PowerFromDisplay(parameters.display, 0.0)),
       highest_(sim::PowerFromDisplay(parameters.display, 1.0)) {
   if (smoothing.none()) return;

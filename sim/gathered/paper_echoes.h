@@ -1,10 +1,13 @@
-// Echoes of each pixel of the paper's image through fixed range and azimuth errors: sim/paper/echo_histogram.h
-// after sim/paper/paper_blur.h. Before the clamp, a pixel is then a short sum over incidence nodes,
+// Echoes of each pixel of the paper's image through fixed range and azimuth errors:
+// sim/paper/echo_histogram.h after sim/paper/paper_blur.h. Before the clamp, a pixel is then a short sum over
+// incidence nodes,
 //
-//   sum(r, b) = (sum over entries of weight x (SL - NL + AG - dB_min + TS_material(incidence)) - loss) / span,
+//   sum(r, b) = (sum over entries of weight x (S + TS_material(incidence)) - loss) / span,
+//   S = SL - NL + AG - dB_min,
 //
-// so a fit of backscatter curves and display needs no blur. sim/paper/expected_paper_image.h computes the same
-// cell by cell. Nodes are those of PixelEchoes. Interpolation is linear in dB; its errors up to 80 degrees:
+// so a fit of backscatter curves and display needs no blur. sim/paper/expected_paper_image.h computes the
+// same cell by cell. Nodes are those of PixelEchoes. Interpolation is linear in dB; its errors up to 80
+// degrees:
 //
 //   the paper's own curve                                   0.02 dB
 //   Gaussian of B = 3 degrees, 20 dB above a cosine         0.03 dB

@@ -309,7 +309,6 @@ PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, doubl
   for (std::size_t pixel = 0; pixel + 1 < above.start.size(); ++pixel) {
     std::uint32_t a = above.start[pixel];
     std::uint32_t b = below.start[pixel];
-    const std::size_t first = difference.entries.size();
     while (a < above.start[pixel + 1] || b < below.start[pixel + 1]) {
       const std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
       const std::uint32_t node_a = a < above.start[pixel + 1] ? above.entries[a].node : none;
@@ -320,14 +319,6 @@ PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, doubl
       if (node_b == node) weight -= below.entries[b++].weight;
       difference.entries.push_back({node, static_cast<float>(scale * weight)});
     }
-    const auto begin = difference.entries.begin() + static_cast<std::ptrdiff_t>(first);
-    float sum = 0.0F;
-    for (auto entry = begin; entry != difference.entries.end(); ++entry) sum += std::abs(entry->weight);
-    difference.entries.erase(
-        std::remove_if(begin, difference.entries.end(),
-                       [least = static_cast<float>(kNegligibleShareOfSlope) * sum](
-                           const PixelEchoes::Entry& entry) { return std::abs(entry.weight) <= least; }),
-        difference.entries.end());
     difference.start.push_back(static_cast<std::uint32_t>(difference.entries.size()));
   }
   difference.entries.shrink_to_fit();

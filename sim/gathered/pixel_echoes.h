@@ -28,9 +28,6 @@
 namespace sonarcal::sim {
 
 inline constexpr double kNegligibleShare = 1e-6;
-// Entries of a difference below this share of the sum of their sizes in a pixel are omitted. Slopes need not be
-// as exact as the echoes.
-inline constexpr double kNegligibleShareOfSlope = 1e-3;
 
 // Angles of the coarse nodes, degrees.
 const std::vector<double>& CoarseIncidenceDeg();

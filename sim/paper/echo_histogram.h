@@ -21,9 +21,9 @@ inline constexpr int kRangeSteps = 2;  // cells per range bin
 inline constexpr int kIncidenceNodes = 361;
 inline constexpr double kIncidenceStepDeg = 0.25;
 
-// Angle at which a curve is evaluated for the end of the interval from `start_deg` to 90 degrees. Over it, the
-// level of cos(delta) lies on average one neper of power below its value at the start. A straight line has
-// that average if it ends two nepers down, where the cosine is e^-2 of its value at the start.
+// Angle at which a curve is evaluated for the end of the interval from `start_deg` to 90 degrees. Over it,
+// the level of cos(delta) lies on average one neper of power below its value at the start. A straight line
+// has that average if it ends two nepers down, where the cosine is e^-2 of its value at the start.
 inline double GrazingEndDeg(double start_deg) {
   constexpr double kTwoNepers = 0.1353352832366127;  // e^-2
   return 90.0 - (90.0 - start_deg) * kTwoNepers;

@@ -1,4 +1,5 @@
-// Gathered echoes of the paper's model against the image shaded and blurred cell by cell, on SYNTHETIC frames.
+// Gathered echoes of the paper's model against the image shaded and blurred cell by cell. Frames are
+// SYNTHETIC.
 #include "calib/paper/paper_evaluation.h"
 
 #include <gtest/gtest.h>
