@@ -15,8 +15,7 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr std::size_t kAtOnce = 64;  // pixels; their sums stay in the first-level cache
-constexpr double kMaxGrowth = 3.0;   // max growth of an echo for which its slope holds, nepers of power
+constexpr double kMaxGrowth = 3.0;  // max growth of an echo for which its slope holds, nepers of power
 
 std::vector<double> TabulateCurves(const ParameterSet& parameters, const std::vector<std::string>& names) {
   std::vector<double> table;
@@ -296,9 +295,9 @@ bool AcousticEvaluation::Bins(int first, int last, PixelTerms& terms) const {
   for (std::size_t pixel = first_pixel; pixel < first_pixel + pixels; ++pixel) {
     if (Counts(pixel)) counted.push_back(static_cast<std::uint32_t>(pixel));
   }
-  for (std::size_t i = 0; i < counted.size(); i += kAtOnce) {
-    const auto some =
-        std::span<const std::uint32_t>(counted).subspan(i, std::min(kAtOnce, counted.size() - i));
+  for (std::size_t i = 0; i < counted.size(); i += pixel_math::kPixelsAtOnce) {
+    const auto some = std::span<const std::uint32_t>(counted).subspan(
+        i, std::min(pixel_math::kPixelsAtOnce, counted.size() - i));
     if (!SumEchoes(some, sums)) return false;
     FillLikelihood(some, sums.mean, first_pixel, terms);
     if (derivatives) FillJacobian(some, sums, first_pixel, terms.eta_jacobian.data());

@@ -174,8 +174,6 @@ std::unique_ptr<AcousticEvaluation> CoarseFrameModel::Evaluation(int frame, cons
 }
 
 std::unique_ptr<OneCurveModel> CoarseFrameModel::OfCurve(int material, const ParameterValues& values) const {
-  const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
-  const std::uint32_t first_node = nodes * static_cast<std::uint32_t>(material);
   OneCurvePixels pixels;
   auto law = std::make_unique<SpeckleLaw>(PixelsOfBlock() * fine_.Parameters(values).receiver.looks);
   for (int frame = 0; frame < frame_count(); ++frame) {
@@ -185,20 +183,9 @@ std::unique_ptr<OneCurveModel> CoarseFrameModel::OfCurve(int material, const Par
     const std::vector<double> means = evaluation->Means();
     for (std::size_t pixel = 0; pixel < means.size(); ++pixel) {
       if (of.use[pixel] == 0) continue;
-      const double gain = evaluation->gain(static_cast<int>(pixel) / beams());
-      double shown = 0.0;
-      for (std::uint32_t e = of.echoes.at_point.start[pixel]; e < of.echoes.at_point.start[pixel + 1]; ++e) {
-        const auto [node, weight] = of.echoes.at_point.entries[e];
-        if (node < first_node || node >= first_node + nodes) continue;
-        const auto amplified = static_cast<float>(gain * weight);
-        pixels.echoes.entries.push_back({node - first_node, amplified});
-        shown += amplified * evaluation->curves()[std::size_t{sim::kCurveStride} * node];
-      }
-      const auto end = static_cast<std::uint32_t>(pixels.echoes.entries.size());
-      if (end == pixels.echoes.start.back()) continue;
-      pixels.echoes.start.push_back(end);
-      pixels.rest.push_back(means[pixel] - shown);
-      law->Add(of.power[pixel].power, of.weight[pixel]);
+      if (pixels.Add(of.echoes.at_point, pixel, material, evaluation->gain(static_cast<int>(pixel) / beams()),
+                     evaluation->curves(), means[pixel]))
+        law->Add(of.power[pixel].power, of.weight[pixel]);
     }
   }
   return std::make_unique<OneCurveModel>(*this, material, std::move(pixels), std::move(law));

@@ -134,6 +134,25 @@ std::unique_ptr<FrameEvaluation> CurveQuadratic::At(int /*frame*/, const Paramet
 
 }  // namespace
 
+bool OneCurvePixels::Add(const sim::PixelEchoes& from, std::size_t pixel, int material, double gain,
+                         std::span<const double> table, double mean) {
+  const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
+  const std::uint32_t first_node = nodes * static_cast<std::uint32_t>(material);
+  double shown = 0.0;
+  for (std::uint32_t e = from.start[pixel]; e < from.start[pixel + 1]; ++e) {
+    const auto [node, weight] = from.entries[e];
+    if (node < first_node || node >= first_node + nodes) continue;
+    const auto amplified = static_cast<float>(gain * weight);
+    echoes.entries.push_back({node - first_node, amplified});
+    shown += amplified * table[std::size_t{sim::kCurveStride} * node];
+  }
+  const auto end = static_cast<std::uint32_t>(echoes.entries.size());
+  if (end == echoes.start.back()) return false;
+  echoes.start.push_back(end);
+  rest.push_back(mean - shown);
+  return true;
+}
+
 GsabParameters<double> FrameOfCurve::CurveAt(const ParameterValues& values) const {
   std::array<double, sim::kCurveTerms - 1> of_curve{};
   for (std::size_t i = 0; i < catalog().size(); ++i) {

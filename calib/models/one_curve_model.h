@@ -37,7 +37,7 @@ class FrameOfCurve : public FrameModel {
  protected:
   const FrameModel& of() const { return of_; }
   int material() const { return material_; }
-  // The curve's parameters at these values.
+  // Parameters of the curve at these values.
   GsabParameters<double> CurveAt(const ParameterValues& values) const;
   // Column of the table for each entry; 0 for an entry of something else.
   std::vector<std::size_t> CurveColumns(std::span<const int> entries) const;
@@ -55,6 +55,11 @@ class FrameOfCurve : public FrameModel {
 struct OneCurvePixels {
   sim::PixelEchoes echoes = {.materials = 1, .start = {0}, .entries = {}};
   std::vector<double> rest;
+
+  // Adds a pixel if it shows the material; returns whether it does. `gain` multiplies the weights. `table`:
+  // kCurveStride values per node and material. `mean`: that of the pixel with this table.
+  bool Add(const sim::PixelEchoes& from, std::size_t pixel, int material, double gain,
+           std::span<const double> table, double mean);
 };
 
 // Curve and likelihood of such pixels.
@@ -80,9 +85,9 @@ class OneCurveModel final : public FrameOfCurve {
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
                                       Terms wanted) const override;
 
-  // Returns the cost to second order in the curve at the incidence nodes, about these values. A
-  // fit to it takes microseconds, and ends near an optimum of this model. A fit to this model that starts
-  // there needs few steps. Null if this model has no value at these values.
+  // Returns the cost to second order in the curve at the incidence nodes, about these values. A fit to it
+  // takes microseconds, and ends near an optimum of this model. A fit to this model that starts there needs
+  // few steps. Null if this model has no value at these values. This model must outlive it.
   std::unique_ptr<FrameModel> Quadratic(const ParameterValues& values) const;
 
  private:

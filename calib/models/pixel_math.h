@@ -13,6 +13,9 @@
 
 namespace sonarcal::calib::pixel_math {
 
+// Pixels to sum together: their sums stay in the first-level cache.
+inline constexpr std::size_t kPixelsAtOnce = 64;
+
 // Sums the echoes of each of `pixels`: kCurveStride values per material, with `curves` as in AddCurves.
 // Overwrites `sums`, pixels x materials x kCurveStride.
 void SumCurves(const sim::PixelEchoes& echoes, std::span<const std::uint32_t> pixels,

@@ -11,8 +11,6 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr std::size_t kAtOnce = 64;  // pixels; their sums stay in the first-level cache
-
 // Index of the derivative by the source level among the values of a node.
 constexpr std::size_t kOfLevel = sim::kCurveTerms;
 static_assert(kOfLevel < sim::kCurveStride);
@@ -70,8 +68,8 @@ void PaperEvaluation::ForPixels(std::size_t first, std::size_t last, const Body&
   thread_local std::vector<std::uint32_t> pixels;
   thread_local std::vector<double> sums;
   const std::size_t stride = materials_ * sim::kCurveStride;
-  for (std::size_t begin = first; begin < last; begin += kAtOnce) {
-    pixels.resize(std::min(kAtOnce, last - begin));
+  for (std::size_t begin = first; begin < last; begin += pixel_math::kPixelsAtOnce) {
+    pixels.resize(std::min(pixel_math::kPixelsAtOnce, last - begin));
     std::iota(pixels.begin(), pixels.end(), static_cast<std::uint32_t>(begin));
     sums.resize(pixels.size() * stride);
     pixel_math::SumCurves(echoes_->nodes, pixels, *table_, sums.data());

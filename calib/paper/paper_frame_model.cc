@@ -17,12 +17,52 @@
 namespace sonarcal::calib {
 namespace {
 
-// Derivatives by range and azimuth errors that are computed together.
-constexpr int kStride = 3;
-using Dual = ceres::Jet<double, kStride>;
+// Max number of parameters of range and azimuth errors.
+constexpr int kErrorParameters = 3;
+using Dual = ceres::Jet<double, kErrorParameters>;
 
 // Memory for the gathered echoes of all frames of a model. Those of more frames are gathered each time.
 constexpr std::size_t kMaxKeptBytes = std::size_t{512} << 20;
+
+std::size_t BytesOf(const sim::PaperEchoes* echoes) {
+  if (echoes == nullptr) return 0;
+  return echoes->nodes.entries.size() * sizeof(sim::PixelEchoes::Entry) +
+         echoes->nodes.start.size() * sizeof(std::uint32_t) + echoes->loss_db.size() * sizeof(float);
+}
+
+// Recorded values of pixels that show one material.
+class GreyLaw final : public PixelLaw {
+ public:
+  GreyLaw(const PaperLikelihood& likelihood, sim::PaperParameters<double> parameters)
+      : likelihood_(likelihood), parameters_(std::move(parameters)) {}
+
+  void Add(double measured, double level) {
+    measured_.push_back(measured);
+    level_.push_back(level);
+  }
+
+  std::vector<double> Table(const GsabParameters<double>& curve) const override {
+    std::vector<double> table;
+    AppendEchoes(parameters_, curve, table);
+    return table;
+  }
+
+  bool Judge(std::size_t first, std::span<const double> mean, PixelTerms& terms) const override {
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      const auto [residual, slope] = likelihood_.Residual(mean[i], measured_[first + i], level_[first + i]);
+      terms.residual[i] = residual;
+      terms.slope[i] = slope;
+      terms.information[i] = slope * slope;
+    }
+    return true;
+  }
+
+ private:
+  PaperLikelihood likelihood_;
+  sim::PaperParameters<double> parameters_;
+  std::vector<double> measured_;
+  std::vector<double> level_;
+};
 
 // Default limits: range and azimuth errors wider than this many bins and beams are not plausible.
 constexpr double kMaxErrorBins = 3.0;
@@ -137,50 +177,10 @@ std::unique_ptr<PaperFrameModel> PaperFrameModel::InBlocks() const {
   return model;
 }
 
-namespace {
-
-// Recorded values of pixels that show one material.
-class GreyLaw final : public PixelLaw {
- public:
-  GreyLaw(const PaperLikelihood& likelihood, sim::PaperParameters<double> parameters)
-      : likelihood_(likelihood), parameters_(std::move(parameters)) {}
-
-  void Add(double measured, double level) {
-    measured_.push_back(measured);
-    level_.push_back(level);
-  }
-
-  std::vector<double> Table(const GsabParameters<double>& curve) const override {
-    std::vector<double> table;
-    AppendEchoes(parameters_, curve, table);
-    return table;
-  }
-
-  bool Judge(std::size_t first, std::span<const double> mean, PixelTerms& terms) const override {
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-      const auto [residual, slope] = likelihood_.Residual(mean[i], measured_[first + i], level_[first + i]);
-      terms.residual[i] = residual;
-      terms.slope[i] = slope;
-      terms.information[i] = slope * slope;
-    }
-    return true;
-  }
-
- private:
-  PaperLikelihood likelihood_;
-  sim::PaperParameters<double> parameters_;
-  std::vector<double> measured_;
-  std::vector<double> level_;
-};
-
-}  // namespace
-
 std::unique_ptr<OneCurveModel> PaperFrameModel::OfCurve(int material, const ParameterValues& values) const {
   if (!likelihood_) return nullptr;
   const sim::PaperParameters<double> parameters =
       ParametersAt<double>([&](int entry) { return values[entry]; });
-  const auto nodes = static_cast<std::uint32_t>(sim::CoarseIncidenceDeg().size());
-  const std::uint32_t first_node = nodes * static_cast<std::uint32_t>(material);
   const std::shared_ptr<const std::vector<double>> table = TableOf(parameters);
   OneCurvePixels pixels;
   auto law = std::make_unique<GreyLaw>(*likelihood_, parameters);
@@ -190,18 +190,8 @@ std::unique_ptr<OneCurveModel> PaperFrameModel::OfCurve(int material, const Para
     const std::shared_ptr<const sim::PaperEchoes> echoes = EchoesOf(frame, parameters.jitter);
     for (std::size_t pixel = 0; pixel < sums.size(); ++pixel) {
       if (!Counts(frame, pixel)) continue;
-      double shown = 0.0;
-      for (std::uint32_t e = echoes->nodes.start[pixel]; e < echoes->nodes.start[pixel + 1]; ++e) {
-        const auto [node, weight] = echoes->nodes.entries[e];
-        if (node < first_node || node >= first_node + nodes) continue;
-        pixels.echoes.entries.push_back({node - first_node, weight});
-        shown += weight * (*table)[std::size_t{sim::kCurveStride} * node];
-      }
-      const auto end = static_cast<std::uint32_t>(pixels.echoes.entries.size());
-      if (end == pixels.echoes.start.back()) continue;
-      pixels.echoes.start.push_back(end);
-      pixels.rest.push_back(sums[pixel] - shown);
-      law->Add(of.measured[pixel], of.level);
+      if (pixels.Add(echoes->nodes, pixel, material, 1.0, *table, sums[pixel]))
+        law->Add(of.measured[pixel], of.level);
     }
   }
   return std::make_unique<OneCurveModel>(*this, material, std::move(pixels), std::move(law));
@@ -319,33 +309,29 @@ sim::PaperParameters<T> PaperFrameModel::ParametersAt(const ValueAt& value_at) c
 
 std::shared_ptr<const sim::PaperEchoes> PaperFrameModel::EchoesOf(
     int frame, const JitterParameters<double>& errors) const {
-  const std::lock_guard lock(gathered_.mutex);
   Gathered::Frame& kept = gathered_.frames[frame];
-  const std::array<double, kStride> at = {errors.sigma_range_m, errors.sigma_azimuth_deg,
-                                          errors.reference_range_m};
-  if (kept.echoes != nullptr && kept.at == at) return kept.echoes;
+  {
+    const std::lock_guard lock(gathered_.mutex);
+    if (kept.echoes != nullptr && kept.errors == errors) return kept.echoes;
+  }
+  // Without the lock: its threads may take up another frame meanwhile.
   auto echoes = std::make_shared<const sim::PaperEchoes>(
       sim::GatherPaperEchoes(frames_[frame].echoes, geometry_, errors));
-  const auto bytes_of = [](const std::shared_ptr<const sim::PaperEchoes>& of) {
-    return of == nullptr ? 0 : of->nodes.entries.size() * sizeof(sim::PixelEchoes::Entry);
-  };
-  gathered_.bytes -= bytes_of(kept.echoes);
+  const std::lock_guard lock(gathered_.mutex);
+  gathered_.bytes -= BytesOf(kept.echoes.get());
   kept = {};
-  if (gathered_.bytes + bytes_of(echoes) > kMaxKeptBytes) return echoes;
-  gathered_.bytes += bytes_of(echoes);
-  kept = {.at = at, .echoes = echoes};
+  if (gathered_.bytes + BytesOf(echoes.get()) > kMaxKeptBytes) return echoes;
+  gathered_.bytes += BytesOf(echoes.get());
+  kept = {.errors = errors, .echoes = echoes};
   return echoes;
 }
 
 std::shared_ptr<const std::vector<double>> PaperFrameModel::TableOf(
     const sim::PaperParameters<double>& parameters) const {
-  std::vector<double> of = {parameters.source_level_db, parameters.display.db_min, parameters.display.db_max};
-  for (const GsabParameters<double>& g : parameters.materials)
-    of.insert(of.end(), {g.a, g.b_deg, g.c, g.d, g.e, g.f_deg});
   const std::lock_guard lock(gathered_.mutex);
-  if (gathered_.table == nullptr || of != gathered_.of_table) {
+  if (gathered_.table == nullptr || parameters != gathered_.of_table) {
     gathered_.table = std::make_shared<const std::vector<double>>(TabulateEchoes(parameters));
-    gathered_.of_table = std::move(of);
+    gathered_.of_table = parameters;
   }
   return gathered_.table;
 }
@@ -357,7 +343,7 @@ std::vector<PaperSlope> PaperFrameModel::ErrorSlopes(int frame, const ParameterV
     if (catalog_[entry].group == ParameterGroup::kJitter) slopes.push_back({.entry = entry, .image = {}});
   }
   if (slopes.empty()) return slopes;
-  SONARCAL_CHECK(slopes.size() <= kStride, "{} sizes of errors", slopes.size());
+  SONARCAL_CHECK(slopes.size() <= kErrorParameters, "{} parameters of errors", slopes.size());
   const sim::PaperImageEvaluation image(frames_[frame].echoes, geometry_,
                                         ParametersAt<double>([&](int entry) { return values[entry]; }));
   auto images = image.Derivatives(ParametersAt<Dual>([&](int entry) {

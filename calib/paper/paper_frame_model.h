@@ -9,7 +9,6 @@
 // echo 1 m from the sonar above dB_min, and the span.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -119,13 +118,13 @@ class PaperFrameModel : public FrameModel {
   // Gathered echoes of the frames, and the last table.
   struct Gathered {
     struct Frame {
-      std::array<double, 3> at = {};  // sizes of the errors and their reference range
+      JitterParameters<double> errors = {};
       std::shared_ptr<const sim::PaperEchoes> echoes;
     };
     std::mutex mutex;
     std::vector<Frame> frames;
     std::size_t bytes = 0;
-    std::vector<double> of_table;  // the values that it depends on
+    sim::PaperParameters<double> of_table;
     std::shared_ptr<const std::vector<double>> table;
   };
   mutable Gathered gathered_;

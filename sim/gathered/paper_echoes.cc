@@ -1,10 +1,12 @@
 #include "sim/gathered/paper_echoes.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
 #include "sim/paper/expected_paper_image.h"
 #include "sim/paper/paper_blur.h"
@@ -14,9 +16,9 @@ namespace {
 
 // Values by incidence node and beam: one line of beams per node that occurs. The last node stands for the
 // loss.
-class NodeLines {
+class BeamLines {
  public:
-  NodeLines(std::size_t nodes, int beams, int values)
+  BeamLines(std::size_t nodes, int beams, int values)
       : line_(static_cast<std::size_t>(beams) * values), values_(values), slot_(nodes, -1) {}
 
   // Line of a node, which holds data in the beams [first, last) from now on. Valid until the next call.
@@ -28,9 +30,9 @@ class NodeLines {
       reach_.emplace_back(first, last);
       data_.resize(std::max(data_.size(), nodes_.size() * line_), 0.0F);
     }
-    auto& [from, to] = reach_[slot];
-    from = std::min(from, first);
-    to = std::max(to, last);
+    auto& [low, high] = reach_[slot];
+    low = std::min(low, first);
+    high = std::max(high, last);
     return &data_[static_cast<std::size_t>(slot) * line_];
   }
 
@@ -65,7 +67,29 @@ class NodeLines {
 };
 
 // A row after the blur in azimuth: per node and beam the weight, and the weight times its offset in range.
+// Holds only the beams that a node reaches.
 constexpr int kRowValues = 2;
+
+struct Row {
+  struct Line {
+    std::uint32_t node = 0;
+    int first = 0;  // beams [first, last)
+    int last = 0;
+    std::size_t start = 0;  // of its values
+  };
+  std::vector<Line> lines;
+  std::vector<float> values;
+
+  Row() = default;
+  explicit Row(const BeamLines& from) {
+    for (std::size_t slot = 0; slot < from.size(); ++slot) {
+      const BeamLines::View view = from[slot];
+      lines.push_back({view.node, view.first, view.last, values.size()});
+      values.insert(values.end(), view.line + kRowValues * view.first, view.line + kRowValues * view.last);
+    }
+    values.shrink_to_fit();
+  }
+};
 
 class Gatherer {
  public:
@@ -81,7 +105,7 @@ class Gatherer {
     const int bins = geometry_.axes.range_bins;
     std::vector<BinEchoes> of_bin(bins);
     tbb::parallel_for(tbb::blocked_range<int>(0, bins, 8), [&](const tbb::blocked_range<int>& range) {
-      NodeLines lines(loss_node_ + 1, histogram_.beams, 1);
+      BeamLines lines(loss_node_ + 1, histogram_.beams, 1);
       for (int bin = range.begin(); bin != range.end(); ++bin) {
         AddRows(bin, lines);
         of_bin[bin] = Entries(lines);
@@ -107,15 +131,19 @@ class Gatherer {
   };
 
   void SpreadRows() {
-    rows_.assign(blur_.row_count(), NodeLines(0, 0, 0));
-    tbb::parallel_for(0, blur_.row_count(), [&](int row) { SpreadRow(row); });
+    rows_.resize(blur_.row_count());
+    tbb::parallel_for(tbb::blocked_range<int>(0, blur_.row_count(), 8), [&](const auto& range) {
+      BeamLines lines(loss_node_ + 1, histogram_.beams, kRowValues);
+      for (int row = range.begin(); row != range.end(); ++row) {
+        SpreadRow(row, lines);
+        rows_[row] = Row(lines);
+        lines.Clear();
+      }
+    });
   }
 
-  void SpreadRow(int row) {
+  void SpreadRow(int row, BeamLines& lines) const {
     const auto [first_cell, last_cell] = blur_.CellsOfRow(row);
-    if (first_cell == last_cell) return;
-    NodeLines& lines = rows_[row];
-    lines = NodeLines(loss_node_ + 1, histogram_.beams, kRowValues);
     const auto coarse_nodes = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
     const std::array<NodeShare, kIncidenceNodes>& shares = CoarseShares();
     PaperBlur::BeamWeights beams;
@@ -144,39 +172,39 @@ class Gatherer {
     }
   }
 
-  void AddRows(int bin, NodeLines& lines) const {
+  void AddRows(int bin, BeamLines& lines) const {
     for (const PaperBlur::RangeWeight& of_row : blur_.RowsOfBin(bin)) {
       const auto weight = static_cast<float>(of_row.weight.value);
       const auto moment = static_cast<float>(of_row.moment.value);
-      const NodeLines& row = rows_[of_row.row];
-      for (std::size_t slot = 0; slot < row.size(); ++slot) {
-        const NodeLines::View from = row[slot];
+      const Row& row = rows_[of_row.row];
+      for (const Row::Line& from : row.lines) {
         float* to = lines.Line(from.node, from.first, from.last);
-        for (int beam = from.first; beam < from.last; ++beam)
-          to[beam] += weight * from.line[kRowValues * beam] + moment * from.line[kRowValues * beam + 1];
+        const float* values = &row.values[from.start];
+        for (int beam = from.first; beam < from.last; ++beam, values += kRowValues)
+          to[beam] += weight * values[0] + moment * values[1];
       }
     }
   }
 
-  BinEchoes Entries(const NodeLines& lines) const {
-    std::vector<NodeLines::View> views;
+  BinEchoes Entries(const BeamLines& lines) const {
+    std::vector<BeamLines::View> views;
     for (std::size_t slot = 0; slot < lines.size(); ++slot) views.push_back(lines[slot]);
-    std::ranges::sort(views, {}, &NodeLines::View::node);
+    std::ranges::sort(views, {}, &BeamLines::View::node);
     BinEchoes bin{.entries = {},
                   .count = std::vector<std::uint32_t>(histogram_.beams, 0),
                   .loss_db = std::vector<float>(histogram_.beams, 0.0F)};
     if (views.empty()) return bin;
-    const NodeLines::View loss = views.back();
+    const BeamLines::View loss = views.back();
     views.pop_back();
     std::copy(loss.line + loss.first, loss.line + loss.last, bin.loss_db.begin() + loss.first);
     std::vector<float> least(histogram_.beams, 0.0F);
-    for (const NodeLines::View& view : views) {
+    for (const BeamLines::View& view : views) {
       for (int beam = view.first; beam < view.last; ++beam)
         least[beam] += static_cast<float>(kNegligibleShare) * view.line[beam];
     }
     for (int beam = loss.first; beam < loss.last; ++beam) {
       const std::size_t before = bin.entries.size();
-      for (const NodeLines::View& view : views) {
+      for (const BeamLines::View& view : views) {
         if (beam >= view.first && beam < view.last && view.line[beam] > least[beam])
           bin.entries.push_back({view.node, view.line[beam]});
       }
@@ -189,7 +217,7 @@ class Gatherer {
   const ImageGeometry& geometry_;
   PaperBlur blur_;
   std::uint32_t loss_node_;
-  std::vector<NodeLines> rows_;
+  std::vector<Row> rows_;
 };
 
 }  // namespace

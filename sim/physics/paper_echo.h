@@ -19,6 +19,8 @@ struct PaperParameters {
   JitterParameters<T> jitter;
   double noise_level_db = 0.0;
   double array_gain_db = 0.0;
+
+  bool operator==(const PaperParameters&) const = default;
 };
 
 // s = (SNR - dB_min) / (dB_max - dB_min). Affine in loss and target strength: the mean of s over rays is s at
