@@ -517,13 +517,6 @@ std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameMod
   return errors;
 }
 
-double CostOfPriors(const std::vector<CatalogEntry>& catalog, const std::vector<int>& entries,
-                    const ParameterValues& values) {
-  double cost = 0.0;
-  for (const int entry : entries) cost += 0.5 * std::pow(catalog[entry].FromPrior(values[entry]), 2);
-  return cost;
-}
-
 double CostOfFrame(const FrameModel& model, const ParameterValues& values, int frame) {
   const auto sums = SumFrame(model, model.catalog(), {.active = {}, .values = values}, frame, false);
   return sums ? 0.5 * sums->residual_square : std::numeric_limits<double>::infinity();

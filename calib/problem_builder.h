@@ -95,10 +95,6 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
 std::vector<Eigen::VectorXd> ScoreErrors(const FrameModel& model, const FrameModel& by_other_rays,
                                          const std::vector<CatalogEntry>& catalog, const FitState& state);
 
-// Half the sum of squares of the priors of these entries.
-double CostOfPriors(const std::vector<CatalogEntry>& catalog, const std::vector<int>& entries,
-                    const ParameterValues& values);
-
 // Half the sum of squares of a frame, without a problem and without priors; and of the first `frames` frames.
 double CostOfFrame(const FrameModel& model, const ParameterValues& values, int frame);
 double CostAt(const FrameModel& model, const ParameterValues& values, int frames);

@@ -266,6 +266,13 @@ SonarGeometry GeometryOf(const std::vector<CatalogEntry>& catalog, const Paramet
   return geometry;
 }
 
+double CostOfPriors(const std::vector<CatalogEntry>& catalog, const std::vector<int>& entries,
+                    const ParameterValues& values) {
+  double cost = 0.0;
+  for (const int entry : entries) cost += 0.5 * std::pow(catalog[entry].FromPrior(values[entry]), 2);
+  return cost;
+}
+
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names) {
   return CatalogBuilder(EchoModel::kPaper, SonarModel(), material_names, {}).Build();
 }

@@ -105,6 +105,10 @@ struct CatalogEntry {
 // One value for each entry of a catalog, in the entry's unit.
 using ParameterValues = std::vector<double>;
 
+// Half the sum of squares of the priors of these entries.
+double CostOfPriors(const std::vector<CatalogEntry>& catalog, const std::vector<int>& entries,
+                    const ParameterValues& values);
+
 // Returns every parameter of the paper's model for a scene with these materials.
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 

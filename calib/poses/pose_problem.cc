@@ -42,7 +42,7 @@ PoseProblem::State PoseProblem::At(const ParameterValues& values) const {
     state.evaluated[i] = views_[i].Evaluate(views_[i].Expected(model_.PoseOf(frames_[i], values), rays));
   });
   for (const PoseView::Evaluation& evaluated : state.evaluated) state.cost += evaluated.cost;
-  for (const int entry : entries_) state.cost += 0.5 * std::pow(catalog_[entry].FromPrior(values[entry]), 2);
+  state.cost += CostOfPriors(catalog_, entries_, values);
   return state;
 }
 
