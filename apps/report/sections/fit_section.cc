@@ -152,28 +152,25 @@ LineChart CurveChart(const std::string& material, const workflow::RecordingFit& 
   const auto everywhere = [](double) { return true; };
   if (initial != fitted)
     chart.series.push_back(CurveOf("initial", initial, 1, SeriesStyle::kDashed, everywhere));
-  const auto seen = fit.seen.find(material);
-  if (seen != fit.seen.end()) {
-    const auto curve = std::ranges::find(fit.fit.report.curves, material, &calib::FittedCurve::material);
-    const auto determined = [&](double incidence_deg) {
-      return curve == fit.fit.report.curves.end() ||
-             curve->determined[static_cast<std::size_t>(std::lround(incidence_deg))];
-    };
+  const auto curve = std::ranges::find(fit.fit.report.curves, material, &calib::FittedCurve::material);
+  const bool has_errors = curve != fit.fit.report.curves.end();
+  if (const auto seen = fit.seen.find(material); seen != fit.seen.end()) {
+    if (has_errors) {
+      const auto determined = [&](double incidence_deg) {
+        return incidence_deg >= seen->second.low_deg && incidence_deg <= seen->second.high_deg &&
+               curve->determined[static_cast<std::size_t>(std::lround(incidence_deg))];
+      };
+      chart.series.push_back(CurveOf("fitted, determined", fitted, 0, SeriesStyle::kLine, determined));
+    }
     chart.series.push_back(
-        CurveOf("fitted, determined", fitted, 0, SeriesStyle::kLine, [&](double incidence_deg) {
-          return incidence_deg >= seen->second.low_deg && incidence_deg <= seen->second.high_deg &&
-                 determined(incidence_deg);
-        }));
-    chart.series.push_back(
-        CurveOf("fitted, not seen or pulled by its prior", fitted, 0, SeriesStyle::kDashed, everywhere));
+        CurveOf(has_errors ? "fitted, not seen or pulled by its prior" : "no standard error", fitted, 0,
+                SeriesStyle::kDashed, everywhere));
   }
-  for (const calib::FittedCurve& curve : fit.fit.report.curves) {
-    if (curve.material != material) continue;
-    chart.series.push_back(BandOf(curve));
-    if (curve.truth_db.empty()) continue;
+  if (has_errors) chart.series.push_back(BandOf(*curve));
+  if (has_errors && !curve->truth_db.empty()) {
     chart.series.push_back({.name = "truth",
-                            .x = curve.incidence_deg,
-                            .y = curve.truth_db,
+                            .x = curve->incidence_deg,
+                            .y = curve->truth_db,
                             .style = SeriesStyle::kDashed,
                             .colour = 2});
   }
