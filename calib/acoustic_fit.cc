@@ -261,6 +261,7 @@ class AcousticFitter {
   void FitRadiometryFirst() {
     if (radiometric_.empty() && !geometric_.empty()) return;
     if (options_.near_start && poses_.empty() && !geometric_.empty()) return;  // rounds begin with it
+    cost_initial_ = CostAt(*model_, fit_.values, model_->frame_count());
     FitOptions start = options_;
     start.rough = !geometric_.empty();
     start.test_others = options_.test_others && !options_.down_weight;
@@ -271,7 +272,6 @@ class AcousticFitter {
     }
     iterations_ += fit_.report.iterations;
     start_costs_ = fit_.report.start_costs;
-    cost_initial_ = fit_.report.cost_initial;
   }
 
   // Moves widths of beam and pulse in large steps, each followed by a fit of the radiometry to blocks of

@@ -56,7 +56,6 @@ class Fitter {
       throw DataError("fit: no parameter is free");
     }
     if (model_.IsLikelihood()) SetPriors();
-    report_.cost_initial = CostAt(model_, initial_, model_.frame_count());
   }
 
   ModelFit Run() {
@@ -67,6 +66,7 @@ class Fitter {
     bool usable = !report_.start_costs.empty();
     report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (options_.rough) return {.values = state_.values, .report = std::move(report_), .usable = usable};
+    report_.cost_initial = CostAt(model_, initial_, model_.frame_count());
     // Each round except the last freezes at least one parameter, so the number of parameters limits the
     // rounds.
     for (std::size_t round = 0; round <= catalog_.size(); ++round) {

@@ -18,6 +18,8 @@ namespace {
 // Noise before the first fit: a tenth of full scale, and enough dither to give faint pixels a slope.
 constexpr PaperNoise kFirstNoise = {.sigma = 0.1, .knee_sigma = 0.1, .variance_levels = 0.7};
 constexpr int kNoiseRounds = 3;
+// An optimum is worse than another for certain if its cost on blocks of pixels is higher by this much.
+constexpr double kCertainNats = 10.0;
 // Two results of a search are different optima if the RMS difference of their images exceeds this fraction of
 // full scale.
 constexpr double kOtherImage = 0.01;
@@ -42,20 +44,10 @@ class PaperFitter {
     coarse.SetNoise(kFirstNoise);
     Search(coarse);
     if (ends_.empty() || options_.rough) return ends_.empty() ? last_ : ends_.front();
-    ModelFit fit = Settle(ends_.front());
+    ModelFit fit = Settle(ends_.front(), coarse);
     if (!fit.usable) return fit;
-    // Also solves from the second-best result if its image differs: it may become the better one when it has
-    // converged.
-    if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherImage) {
-      Say("solving from the second-best start");
-      ModelFit other = Fit(model_, ends_[1].values, config_, Again(/*rough=*/true));
-      if (other.usable && CostOf(other.values) < CostOf(fit.values)) {
-        ModelFit better = Settle(other);
-        if (better.usable && CostOf(better.values) < CostOf(fit.values)) std::swap(fit, better);
-        other = std::move(better);
-      }
-      if (other.usable) other_ = std::move(other.values);
-    }
+    if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherImage)
+      TrySecondBest(coarse, fit);
     Complete(fit);
     return fit;
   }
@@ -65,7 +57,10 @@ class PaperFitter {
     if (options_.progress) options_.progress(line);
   }
 
-  double CostOf(const ParameterValues& values) const { return CostAt(model_, values, model_.frame_count()); }
+  static double CostOf(const PaperFrameModel& model, const ParameterValues& values) {
+    return CostAt(model, values, model.frame_count());
+  }
+  double CostOf(const ParameterValues& values) const { return CostOf(model_, values); }
 
   FitOptions Again(bool rough) const {
     FitOptions again = options_;
@@ -75,14 +70,39 @@ class PaperFitter {
     return again;
   }
 
-  // Solves roughly from every start and sorts `ends_`, best first.
-  void Search(const PaperFrameModel& model) {
-    // Bounds in bins and beams refer to the recording's pixels, not to blocks.
+  // Bounds in bins and beams refer to the recording's pixels, not to blocks.
+  FitConfig ConfigOfBlocks() const {
     FitConfig config = config_;
     for (const CatalogEntry& entry : model_.catalog()) {
       if (entry.group == ParameterGroup::kJitter)
         config.bounds.try_emplace(entry.name, entry.lower, entry.upper);
     }
+    return config;
+  }
+
+  // Solves from the second-best result of the search, which may become the better one when it has converged:
+  // by blocks of pixels, and by all pixels unless it is worse for certain. Exchanges `fit` for a better one.
+  void TrySecondBest(PaperFrameModel& coarse, ModelFit& fit) {
+    Say("solving from the second-best start");
+    coarse.SetNoise(coarse.NoiseAbout(fit.values));
+    ModelFit other = Fit(coarse, ends_[1].values, ConfigOfBlocks(), Again(/*rough=*/true));
+    Count(other);
+    if (!other.usable) return;
+    if (CostOf(coarse, other.values) < CostOf(coarse, fit.values) + kCertainNats) {
+      other = Fit(model_, other.values, config_, Again(/*rough=*/true));
+      Count(other);
+      if (other.usable && CostOf(other.values) < CostOf(fit.values)) {
+        ModelFit better = SettleBy(model_, config_, other);
+        if (better.usable && CostOf(better.values) < CostOf(fit.values)) std::swap(fit, better);
+        other = std::move(better);
+      }
+    }
+    if (other.usable) other_ = std::move(other.values);
+  }
+
+  // Solves roughly from every start and sorts `ends_`, best first.
+  void Search(const PaperFrameModel& model) {
+    const FitConfig config = ConfigOfBlocks();
     std::vector<CatalogEntry> catalog = model.catalog();
     const std::vector<bool> free = ApplyFitConfig(config, catalog);
     for (int start = 0; start < options_.starts; ++start) {
@@ -102,15 +122,23 @@ class PaperFitter {
     });
   }
 
+  // Solves for values and noise: by blocks of pixels, where moves to better curves cost little, and from there
+  // by all pixels.
+  ModelFit Settle(const ModelFit& from, PaperFrameModel& coarse) {
+    if (&coarse == &model_) return SettleBy(model_, config_, from);
+    const ModelFit on_blocks = SettleBy(coarse, ConfigOfBlocks(), from);
+    return SettleBy(model_, config_, on_blocks.usable ? on_blocks : from);
+  }
+
   // Solves for values and noise in turn.
-  ModelFit Settle(const ModelFit& from) {
+  ModelFit SettleBy(PaperFrameModel& model, const FitConfig& config, const ModelFit& from) {
     ModelFit fit = from;
     bool settled = false;
     for (int round = 1; !settled && fit.usable; ++round) {
-      const PaperNoise noise = model_.NoiseAbout(fit.values);
-      settled = round == kNoiseRounds || AreAlike(noise, model_.noise());
-      model_.SetNoise(noise);
-      fit = Fit(model_, fit.values, config_, Again(/*rough=*/!settled));
+      const PaperNoise noise = model.NoiseAbout(fit.values);
+      settled = round == kNoiseRounds || AreAlike(noise, model.noise());
+      model.SetNoise(noise);
+      fit = Fit(model, fit.values, config, Again(/*rough=*/!settled));
       Count(fit);
     }
     return fit;

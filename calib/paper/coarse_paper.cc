@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
 
 namespace sonarcal::calib {
 namespace {
@@ -24,17 +23,23 @@ class CellSum {
  public:
   void Add(const sim::EchoHistogram& fine, const sim::EchoHistogram::Cell& cell, double weight_factor,
            double range_position, double azimuth_position) {
+    node_weight_.resize(static_cast<std::size_t>(fine.materials) * sim::kIncidenceNodes, 0.0);
     const double weight = weight_factor * cell.weight;
     weight_ += weight;
     log_range_ += weight_factor * cell.log_range;
     two_way_range_m_ += weight_factor * cell.two_way_range_m;
     range_ += weight * range_position;
     azimuth_ += weight * azimuth_position;
-    for (std::uint32_t entry = cell.first_entry; entry < cell.last_entry; ++entry)
-      nodes_[fine.entries[entry].node] += weight_factor * fine.entries[entry].weight;
+    for (std::uint32_t entry = cell.first_entry; entry < cell.last_entry; ++entry) {
+      const auto [node, of_node] = fine.entries[entry];
+      if (node_weight_[node] == 0.0) nodes_.push_back(node);
+      node_weight_[node] += weight_factor * of_node;
+    }
   }
 
-  void Store(int row, int col, sim::EchoHistogram& coarse) const {
+  // Appends the cell, if it holds any echo, and begins anew.
+  void Flush(int row, int col, sim::EchoHistogram& coarse) {
+    if (nodes_.empty()) return;
     sim::EchoHistogram::Cell cell{.row = row,
                                   .col = col,
                                   .weight = weight_,
@@ -43,9 +48,15 @@ class CellSum {
                                   .range_offset = Offset(range_ / weight_ - row),
                                   .azimuth_offset = Offset(azimuth_ / weight_ - col),
                                   .first_entry = static_cast<std::uint32_t>(coarse.entries.size())};
-    for (const auto& [node, weight] : nodes_) coarse.entries.push_back({node, static_cast<float>(weight)});
+    std::ranges::sort(nodes_);
+    for (const std::uint32_t node : nodes_) {
+      coarse.entries.push_back({node, static_cast<float>(node_weight_[node])});
+      node_weight_[node] = 0.0;
+    }
     cell.last_entry = static_cast<std::uint32_t>(coarse.entries.size());
     coarse.cells.push_back(cell);
+    nodes_.clear();
+    weight_ = log_range_ = two_way_range_m_ = range_ = azimuth_ = 0.0;
   }
 
  private:
@@ -56,7 +67,8 @@ class CellSum {
   double two_way_range_m_ = 0.0;
   double range_ = 0.0;
   double azimuth_ = 0.0;
-  std::map<std::uint32_t, double> nodes_;
+  std::vector<double> node_weight_;
+  std::vector<std::uint32_t> nodes_;  // of weight
 };
 
 sim::EchoHistogram MakeCoarse(const sim::EchoHistogram& fine, Block block) {
@@ -65,9 +77,9 @@ sim::EchoHistogram MakeCoarse(const sim::EchoHistogram& fine, Block block) {
   coarse.beams = fine.beams / block.beams;
   coarse.materials = fine.materials;
   const double weight_factor = 1.0 / (block.bins * block.beams);
+  std::vector<CellSum> sums(coarse.beams);
   for (int row = 0; row < coarse.rows; ++row) {
     coarse.row_start.push_back(static_cast<std::uint32_t>(coarse.cells.size()));
-    std::map<int, CellSum> sums;
     for (std::uint32_t i = fine.row_start[row * block.bins]; i < fine.row_start[(row + 1) * block.bins];
          ++i) {
       const sim::EchoHistogram::Cell& cell = fine.cells[i];
@@ -75,7 +87,7 @@ sim::EchoHistogram MakeCoarse(const sim::EchoHistogram& fine, Block block) {
                                        (cell.row + 0.5 + cell.range_offset) / block.bins,
                                        (cell.col + 0.5 + cell.azimuth_offset) / block.beams);
     }
-    for (const auto& [col, sum] : sums) sum.Store(row, col, coarse);
+    for (int col = 0; col < coarse.beams; ++col) sums[col].Flush(row, col, coarse);
   }
   coarse.row_start.push_back(static_cast<std::uint32_t>(coarse.cells.size()));
   return coarse;

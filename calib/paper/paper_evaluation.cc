@@ -52,65 +52,77 @@ PaperEvaluation::PaperEvaluation(const std::vector<CatalogEntry>& catalog,
     const auto slope = std::ranges::find(slopes_, entry, &PaperSlope::entry);
     columns_.push_back(slope == slopes_.end()
                            ? PlanColumn(catalog[entry])
-                           : Column{Of::kSlope, static_cast<std::size_t>(slope - slopes_.begin())});
+                           : Column{Of::kSlope, 0, static_cast<std::size_t>(slope - slopes_.begin())});
+    if (columns_.back().of != Of::kCurve) not_of_curves_.push_back(columns_.size() - 1);
   }
 }
 
 PaperEvaluation::Column PaperEvaluation::PlanColumn(const CatalogEntry& entry) const {
   if (entry.group == ParameterGroup::kGsab)
     return {Of::kCurve, std::size_t{sim::kCurveStride} * entry.material + 1 + entry.index};
-  if (entry.group == ParameterGroup::kSourceLevel) return {Of::kSourceLevel, 0};
-  return {entry.key == "db_min" ? Of::kDisplayMin : Of::kDisplayMax, 0};
+  if (entry.group == ParameterGroup::kSourceLevel) return {Of::kSourceLevel};
+  return {entry.key == "db_min" ? Of::kDisplayMin : Of::kDisplayMax};
 }
 
 template <typename Body>
-void PaperEvaluation::ForPixels(std::size_t first, std::size_t last, const Body& body) const {
+void PaperEvaluation::ForLit(std::size_t first, std::size_t last, const Body& body) const {
   thread_local std::vector<std::uint32_t> pixels;
   thread_local std::vector<double> sums;
+  thread_local std::vector<double> total;
   const std::size_t stride = materials_ * sim::kCurveStride;
-  for (std::size_t begin = first; begin < last; begin += pixel_math::kPixelsAtOnce) {
-    pixels.resize(std::min(pixel_math::kPixelsAtOnce, last - begin));
-    std::iota(pixels.begin(), pixels.end(), static_cast<std::uint32_t>(begin));
+  const std::uint32_t* start = echoes_->nodes.start.data();
+  std::size_t next = first;
+  while (next < last) {
+    pixels.clear();
+    for (; next < last && pixels.size() < pixel_math::kPixelsAtOnce; ++next) {
+      if (start[next] != start[next + 1]) pixels.push_back(static_cast<std::uint32_t>(next));
+    }
     sums.resize(pixels.size() * stride);
     pixel_math::SumCurves(echoes_->nodes, pixels, *table_, sums.data());
+    total.resize(pixels.size());
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const double* of = &sums[i * stride];
-      double sum = -echoes_->loss_db[begin + i] / span_db_;
+      total[i] = -echoes_->loss_db[pixels[i]] / span_db_;
       for (std::size_t material = 0; material < materials_; ++material)
-        sum += of[material * sim::kCurveStride];
-      body(begin + i, of, sum);
+        total[i] += sums[i * stride + material * sim::kCurveStride];
     }
+    body(Lit{.pixels = pixels, .sums = sums, .total = total});
   }
 }
 
 std::vector<double> PaperEvaluation::Sums() const {
-  std::vector<double> all(echoes_->loss_db.size());
-  ForPixels(0, all.size(), [&](std::size_t pixel, const double*, double sum) { all[pixel] = sum; });
+  std::vector<double> all(echoes_->loss_db.size(), 0.0);
+  ForLit(0, all.size(), [&](const Lit& lit) {
+    for (std::size_t i = 0; i < lit.pixels.size(); ++i) all[lit.pixels[i]] = lit.total[i];
+  });
   return all;
 }
 
 double PaperEvaluation::Derivative(const Column& column, std::size_t pixel, const double* sums,
-                                   double sum) const {
+                                   double total) const {
   switch (column.of) {
-    case Of::kCurve:
-      return sums[column.index];
     case Of::kSlope:
-      return slopes_[column.index].image[pixel];
+      return slopes_[column.slope].image[pixel];
     case Of::kDisplayMax:
-      return -sum / span_db_;
+      return -total / span_db_;
     default:
       break;
   }
   double by_level = 0.0;
   for (std::size_t material = 0; material < materials_; ++material)
     by_level += sums[material * sim::kCurveStride + kOfLevel];
-  return column.of == Of::kSourceLevel ? by_level : sum / span_db_ - by_level;
+  return column.of == Of::kSourceLevel ? by_level : total / span_db_ - by_level;
 }
 
-PaperResidual PaperEvaluation::ResidualOf(double sum, double recorded) const {
-  if (likelihood_ != nullptr) return likelihood_->Residual(sum, recorded, recorded_.level);
-  const bool clamped = sum < 0.0 || sum > 1.0;
-  return {std::clamp(sum, 0.0, 1.0) - recorded, clamped ? 0.0 : 1.0};
+void PaperEvaluation::Residuals(std::span<const double> total, std::span<const double> recorded,
+                                std::span<PaperResidual> residuals) const {
+  if (likelihood_ != nullptr) {
+    likelihood_->Residuals(total, recorded, recorded_.level, residuals);
+    return;
+  }
+  for (std::size_t i = 0; i < total.size(); ++i) {
+    const double shown = std::clamp(total[i], 0.0, 1.0);
+    residuals[i] = {shown - recorded[i], shown == total[i] ? 1.0 : 0.0};
+  }
 }
 
 bool PaperEvaluation::Bins(int first, int last, PixelTerms& terms) const {
@@ -123,16 +135,34 @@ bool PaperEvaluation::Bins(int first, int last, PixelTerms& terms) const {
   terms.information.assign(derivatives ? count : 0, 0.0);
   terms.eta_jacobian.assign(derivatives ? count * columns : 0, 0.0);
   terms.repeat_factor.clear();
-  ForPixels(first_pixel, first_pixel + count, [&](std::size_t pixel, const double* sums, double sum) {
-    if (!recorded_.use.empty() && recorded_.use[pixel] == 0) return;
-    const std::size_t i = pixel - first_pixel;
-    const PaperResidual of = ResidualOf(sum, recorded_.measured[pixel]);
-    terms.residual[i] = of.residual;
-    terms.slope[i] = of.slope;
-    if (!derivatives || of.slope == 0.0) return;
-    terms.information[i] = of.slope * of.slope;
-    for (std::size_t k = 0; k < columns; ++k)
-      terms.eta_jacobian[i * columns + k] = Derivative(columns_[k], pixel, sums, sum);
+  const auto counts = [&](std::size_t pixel) { return recorded_.use.empty() || recorded_.use[pixel] != 0; };
+  // Whatever the noise, the expected value of a pixel without an echo is 0.
+  const double per_sigma = likelihood_ != nullptr ? 1.0 / likelihood_->noise().sigma : 1.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (counts(first_pixel + i)) terms.residual[i] = -recorded_.measured[first_pixel + i] * per_sigma;
+  }
+  thread_local std::vector<double> recorded;
+  thread_local std::vector<PaperResidual> residuals;
+  ForLit(first_pixel, first_pixel + count, [&](const Lit& lit) {
+    recorded.clear();
+    for (const std::uint32_t pixel : lit.pixels) recorded.push_back(recorded_.measured[pixel]);
+    residuals.resize(lit.pixels.size());
+    Residuals(lit.total, recorded, residuals);
+    const std::size_t stride = materials_ * sim::kCurveStride;
+    for (std::size_t n = 0; n < lit.pixels.size(); ++n) {
+      const std::size_t pixel = lit.pixels[n];
+      if (!counts(pixel)) continue;
+      const std::size_t i = pixel - first_pixel;
+      const auto [residual, slope] = residuals[n];
+      terms.residual[i] = residual;
+      terms.slope[i] = slope;
+      if (!derivatives || slope == 0.0) continue;
+      terms.information[i] = slope * slope;
+      const double* sums = &lit.sums[n * stride];
+      double* row = &terms.eta_jacobian[i * columns];
+      for (std::size_t k = 0; k < columns; ++k) row[k] = sums[columns_[k].index];
+      for (const std::size_t k : not_of_curves_) row[k] = Derivative(columns_[k], pixel, sums, lit.total[n]);
+    }
   });
   return true;
 }

@@ -56,14 +56,23 @@ class PaperEvaluation final : public FrameEvaluation {
   enum class Of { kCurve, kSourceLevel, kDisplayMin, kDisplayMax, kSlope };
   struct Column {
     Of of = Of::kCurve;
-    std::size_t index = 0;  // of the curve's sum among a pixel's sums, or of the slope
+    std::size_t index = 0;  // of a curve: among the sums of a pixel
+    std::size_t slope = 0;
   };
   Column PlanColumn(const CatalogEntry& entry) const;
-  // Calls body(pixel, sums by material, total sum) for consecutive pixels.
+  // Consecutive pixels that show an echo. The sum of the others is 0, whatever curves and display.
+  struct Lit {
+    std::span<const std::uint32_t> pixels;
+    std::span<const double> sums;   // pixels x materials x kCurveStride
+    std::span<const double> total;  // per pixel
+  };
+  // Calls body(lit) until all of these pixels are through.
   template <typename Body>
-  void ForPixels(std::size_t first, std::size_t last, const Body& body) const;
-  double Derivative(const Column& column, std::size_t pixel, const double* sums, double sum) const;
-  PaperResidual ResidualOf(double sum, double recorded) const;
+  void ForLit(std::size_t first, std::size_t last, const Body& body) const;
+  // Of a column that is not of a curve.
+  double Derivative(const Column& column, std::size_t pixel, const double* sums, double total) const;
+  void Residuals(std::span<const double> total, std::span<const double> recorded,
+                 std::span<PaperResidual> residuals) const;
 
   std::shared_ptr<const sim::PaperEchoes> echoes_;
   PaperRecord recorded_;
@@ -75,6 +84,7 @@ class PaperEvaluation final : public FrameEvaluation {
   double span_db_;
   std::shared_ptr<const std::vector<double>> table_;
   std::vector<Column> columns_;
+  std::vector<std::size_t> not_of_curves_;  // of the columns
 };
 
 }  // namespace sonarcal::calib

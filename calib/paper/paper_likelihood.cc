@@ -38,7 +38,7 @@ ValueAndSlope RoundedLevels(double x, double variance_over_mean) {
   return {sum.value + unrounded * (x - sum.value), sum.slope + unrounded * (1.0 - sum.slope)};
 }
 
-PaperLikelihood::PaperLikelihood(const PaperNoise& noise) : noise_(noise) {
+PaperLikelihood::PaperLikelihood(const PaperNoise& noise) : noise_(noise), per_sigma_(1.0 / noise.sigma) {
   constexpr double kStep = kRoundedBelow / kIntervals;
   const double below_end = std::nextafter(kRoundedBelow, 0.0);
   for (int i = 0; i <= kIntervals; ++i)
@@ -46,35 +46,50 @@ PaperLikelihood::PaperLikelihood(const PaperNoise& noise) : noise_(noise) {
 }
 
 ValueAndSlope PaperLikelihood::Interpolated(double x) const {
-  if (x >= kRoundedBelow || noise_.variance_levels >= kUnroundedLevels) return {x, 1.0};
   constexpr double kStep = kRoundedBelow / kIntervals;
-  const int i = std::min(static_cast<int>(x / kStep), kIntervals - 1);
-  const double t = x / kStep - i;
+  // Without a branch: which pixels are faint cannot be predicted.
+  const double within = std::min(x, kRoundedBelow);
+  const int i = std::min(static_cast<int>(within / kStep), kIntervals - 1);
+  const double t = within / kStep - i;
   const auto& [a, a_slope] = rounded_[i];
   const auto& [b, b_slope] = rounded_[i + 1];
   const double rise = b - a;
   const double bend_a = kStep * a_slope - rise;
   const double bend_b = rise - kStep * b_slope;
-  return {a + t * rise + t * (1.0 - t) * ((1.0 - t) * bend_a + t * bend_b),
-          (rise + (1.0 - 2.0 * t) * ((1.0 - t) * bend_a + t * bend_b) + t * (1.0 - t) * (bend_b - bend_a)) /
-              kStep};
+  const double bend = (1.0 - t) * bend_a + t * bend_b;
+  const double value = a + t * rise + t * (1.0 - t) * bend;
+  const double slope = (rise + (1.0 - 2.0 * t) * bend + t * (1.0 - t) * (bend_b - bend_a)) / kStep;
+  const bool rounds = x < kRoundedBelow;
+  return {rounds ? value : x, rounds ? slope : 1.0};
 }
 
 ValueAndSlope PaperLikelihood::ExpectedRecorded(double mean, double level) const {
   if (mean <= 0.0) return {0.0, 0.0};
   ValueAndSlope result{mean, 1.0};
-  if (level > 0.0) {
+  if (level > 0.0 && noise_.variance_levels < kUnroundedLevels) {
     result = Interpolated(mean / level);
     result.value *= level;
   }
   const double s = noise_.knee_sigma;
-  const double z = (1.0 - mean) / s;
-  if (z < 6.0) {
+  if (1.0 - mean < 6.0 * s) {
+    const double z = (1.0 - mean) / s;
     const double above = s * NormalDensity(z) - (1.0 - mean) * NormalBelow(-z);
     result.value -= above;
     result.slope -= NormalBelow(-z);
   }
   return result;
+}
+
+PaperResidual PaperLikelihood::Residual(double mean, double recorded, double level) const {
+  ValueAndSlope expected = ExpectedRecorded(mean, level);
+  // A lit pixel that the model shades below black keeps an upward slope.
+  if (mean < 0.0 && recorded > 0.0) expected = {mean, 1.0};
+  return {(expected.value - recorded) * per_sigma_, expected.slope * per_sigma_};
+}
+
+void PaperLikelihood::Residuals(std::span<const double> mean, std::span<const double> recorded, double level,
+                                std::span<PaperResidual> residuals) const {
+  for (std::size_t i = 0; i < mean.size(); ++i) residuals[i] = Residual(mean[i], recorded[i], level);
 }
 
 }  // namespace sonarcal::calib

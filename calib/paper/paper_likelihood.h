@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 namespace sonarcal::calib {
 
@@ -49,13 +50,10 @@ class PaperLikelihood {
   // `mean`: unclamped mean of a pixel. `level`: one grey level, 0 if values are not rounded. All as fractions
   // of full scale.
   ValueAndSlope ExpectedRecorded(double mean, double level) const;
-
-  PaperResidual Residual(double mean, double recorded, double level) const {
-    ValueAndSlope expected = ExpectedRecorded(mean, level);
-    // A lit pixel that the model shades below black keeps an upward slope.
-    if (mean < 0.0 && recorded > 0.0) expected = {mean, 1.0};
-    return {(expected.value - recorded) / noise_.sigma, expected.slope / noise_.sigma};
-  }
+  PaperResidual Residual(double mean, double recorded, double level) const;
+  // The same of several pixels.
+  void Residuals(std::span<const double> mean, std::span<const double> recorded, double level,
+                 std::span<PaperResidual> residuals) const;
 
  private:
   // RoundedLevels by cubic interpolation. The slope is that of the interpolated curve. The error is below
@@ -64,6 +62,7 @@ class PaperLikelihood {
 
   static constexpr int kIntervals = 2048;
   PaperNoise noise_;
+  double per_sigma_;
   std::array<ValueAndSlope, kIntervals + 1> rounded_{};
 };
 

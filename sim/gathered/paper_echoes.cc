@@ -1,6 +1,7 @@
 #include "sim/gathered/paper_echoes.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -14,14 +15,17 @@
 namespace sonarcal::sim {
 namespace {
 
-// Values by incidence node and beam: one line of beams per node that occurs. The last node stands for the
-// loss.
+// Values by incidence node and beam: for each node that occurs, `values` lines of beams one after the other.
+// The last node stands for the loss.
 class BeamLines {
  public:
   BeamLines(std::size_t nodes, int beams, int values)
-      : line_(static_cast<std::size_t>(beams) * values), values_(values), slot_(nodes, -1) {}
+      : beams_(beams),
+        values_(values),
+        line_(static_cast<std::size_t>(beams) * static_cast<std::size_t>(values)),
+        slot_(nodes, -1) {}
 
-  // Line of a node, which holds data in the beams [first, last) from now on. Valid until the next call.
+  // Lines of a node, which hold data in the beams [first, last) from now on. Valid until the next call.
   float* Line(std::uint32_t node, int first, int last) {
     int& slot = slot_[node];
     if (slot < 0) {
@@ -50,7 +54,9 @@ class BeamLines {
   void Clear() {
     for (std::size_t slot = 0; slot < nodes_.size(); ++slot) {
       const auto line = data_.begin() + static_cast<std::ptrdiff_t>(slot * line_);
-      std::fill(line + reach_[slot].first * values_, line + reach_[slot].second * values_, 0.0F);
+      const auto [low, high] = reach_[slot];
+      for (int value = 0; value < values_; ++value)
+        std::fill(line + value * beams_ + low, line + value * beams_ + high, 0.0F);
       slot_[nodes_[slot]] = -1;
     }
     nodes_.clear();
@@ -58,16 +64,17 @@ class BeamLines {
   }
 
  private:
-  std::size_t line_;       // values of a line
-  int values_;             // per beam
+  int beams_;
+  int values_;             // lines per node
+  std::size_t line_;       // numbers per node
   std::vector<int> slot_;  // per node, -1 if it does not occur
   std::vector<std::uint32_t> nodes_;
   std::vector<std::pair<int, int>> reach_;
   std::vector<float> data_;  // 0 outside of the reach
 };
 
-// A row after the blur in azimuth: per node and beam the weight, and the weight times its offset in range.
-// Holds only the beams that a node reaches.
+// A row after the blur in azimuth: per node the weight of each beam, and then the weight times its offset in
+// range. Holds only the beams that a node reaches.
 constexpr int kRowValues = 2;
 
 struct Row {
@@ -81,11 +88,12 @@ struct Row {
   std::vector<float> values;
 
   Row() = default;
-  explicit Row(const BeamLines& from) {
+  Row(const BeamLines& from, int beams) {
     for (std::size_t slot = 0; slot < from.size(); ++slot) {
       const BeamLines::View view = from[slot];
       lines.push_back({view.node, view.first, view.last, values.size()});
-      values.insert(values.end(), view.line + kRowValues * view.first, view.line + kRowValues * view.last);
+      for (const float* line = view.line; line != view.line + kRowValues * beams; line += beams)
+        values.insert(values.end(), line + view.first, line + view.last);
     }
     values.shrink_to_fit();
   }
@@ -104,8 +112,9 @@ class Gatherer {
     SpreadRows();
     const int bins = geometry_.axes.range_bins;
     std::vector<BinEchoes> of_bin(bins);
+    LinesOfThreads lines_of_threads(BeamLines(loss_node_ + 1, histogram_.beams, 1));
     tbb::parallel_for(tbb::blocked_range<int>(0, bins, 8), [&](const tbb::blocked_range<int>& range) {
-      BeamLines lines(loss_node_ + 1, histogram_.beams, 1);
+      BeamLines& lines = lines_of_threads.local();
       for (int bin = range.begin(); bin != range.end(); ++bin) {
         AddRows(bin, lines);
         of_bin[bin] = Entries(lines);
@@ -124,6 +133,8 @@ class Gatherer {
   }
 
  private:
+  using LinesOfThreads = tbb::enumerable_thread_specific<BeamLines>;
+
   struct BinEchoes {
     std::vector<PixelEchoes::Entry> entries;
     std::vector<std::uint32_t> count;  // per beam
@@ -132,11 +143,12 @@ class Gatherer {
 
   void SpreadRows() {
     rows_.resize(blur_.row_count());
+    LinesOfThreads lines_of_threads(BeamLines(loss_node_ + 1, histogram_.beams, kRowValues));
     tbb::parallel_for(tbb::blocked_range<int>(0, blur_.row_count(), 8), [&](const auto& range) {
-      BeamLines lines(loss_node_ + 1, histogram_.beams, kRowValues);
+      BeamLines& lines = lines_of_threads.local();
       for (int row = range.begin(); row != range.end(); ++row) {
         SpreadRow(row, lines);
-        rows_[row] = Row(lines);
+        rows_[row] = Row(lines, histogram_.beams);
         lines.Clear();
       }
     });
@@ -147,18 +159,19 @@ class Gatherer {
     const auto coarse_nodes = static_cast<std::uint32_t>(CoarseIncidenceDeg().size());
     const std::array<NodeShare, kIncidenceNodes>& shares = CoarseShares();
     PaperBlur::BeamWeights beams;
-    for (std::uint32_t i = first_cell; i < last_cell; ++i) {
-      const EchoHistogram::Cell& cell = histogram_.cells[i];
+    for (std::uint32_t number = first_cell; number < last_cell; ++number) {
+      const EchoHistogram::Cell& cell = histogram_.cells[number];
       blur_.WeighBeams(cell, beams);
-      const double range_offset = blur_.RangeOffset(cell);
+      const auto range_offset = static_cast<float>(blur_.RangeOffset(cell));
       const auto add = [&](std::uint32_t node, double value) {
-        const int last = beams.first + static_cast<int>(beams.weight.size());
-        float* to =
-            lines.Line(node, beams.first, last) + static_cast<std::ptrdiff_t>(kRowValues) * beams.first;
-        for (const double weight : beams.weight) {
-          const double at = weight * value;
-          *to++ += static_cast<float>(at);
-          *to++ += static_cast<float>(range_offset * at);
+        const auto count = static_cast<int>(beams.weight.size());
+        float* weight = lines.Line(node, beams.first, beams.first + count) + beams.first;
+        float* moment = weight + histogram_.beams;
+        const auto of_node = static_cast<float>(value);
+        for (int i = 0; i < count; ++i) {
+          const float at = beams.weight[i] * of_node;
+          weight[i] += at;
+          moment[i] += range_offset * at;
         }
       };
       for (std::uint32_t e = cell.first_entry; e < cell.last_entry; ++e) {
@@ -179,9 +192,10 @@ class Gatherer {
       const Row& row = rows_[of_row.row];
       for (const Row::Line& from : row.lines) {
         float* to = lines.Line(from.node, from.first, from.last);
+        const int count = from.last - from.first;
         const float* values = &row.values[from.start];
-        for (int beam = from.first; beam < from.last; ++beam, values += kRowValues)
-          to[beam] += weight * values[0] + moment * values[1];
+        const float* moments = values + count;
+        for (int i = 0; i < count; ++i) to[from.first + i] += weight * values[i] + moment * moments[i];
       }
     }
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -18,12 +19,35 @@ struct RowCells {
   std::vector<EchoHistogram::Entry> entries;
 };
 
+// 40 log10 R of the echoes of a row of cells, dB. A series about the middle of the row, where it is exact to
+// 1e-9 dB.
+class RowLoss {
+ public:
+  explicit RowLoss(double middle_m)
+      : middle_m_(middle_m), per_m_(1.0 / middle_m), at_middle_db_(kScale * std::log(middle_m)) {}
+
+  double Db(double range_m) const {
+    const double x = (range_m - middle_m_) * per_m_;
+    if (!(std::abs(x) < kReach)) return kScale * std::log(range_m);
+    return at_middle_db_ + kScale * x * (1.0 + x * (-0.5 + x / 3.0));
+  }
+
+ private:
+  static constexpr double kScale = 40.0 / std::numbers::ln10;
+  static constexpr double kReach = 3e-3;
+
+  double middle_m_;
+  double per_m_;
+  double at_middle_db_;
+};
+
 // `order`: echoes sorted by cell; `start`: first of each cell.
 RowCells CellsOfRows(const EchoList& echoes, const PolarAxes& axes, const std::vector<double>& edges_rad,
                      const std::vector<std::uint32_t>& start, const std::vector<std::uint32_t>& order,
                      int first_row, int last_row) {
   const int beams = axes.beam_count();
   const double step_m = axes.range_bin_m() / kRangeSteps;
+  constexpr double kNodesPerRad = DegFromRad<double>(1.0) / kIncidenceStepDeg;
   RowCells of;
   // Dense weights of one cell, cleared through the list of nodes that it touched.
   std::vector<double> node_weight(echoes.material_names.size() * kIncidenceNodes, 0.0);
@@ -36,22 +60,25 @@ RowCells CellsOfRows(const EchoList& echoes, const PolarAxes& axes, const std::v
 
   for (int row = first_row; row < last_row; ++row) {
     of.row_start.push_back(static_cast<std::uint32_t>(of.cells.size()));
+    const double middle_m = axes.range_min_m + (row + 0.5) * step_m;
+    const RowLoss loss(middle_m);
     for (int col = 0; col < beams; ++col) {
       const std::size_t index = static_cast<std::size_t>(row) * beams + col;
       if (start[index] == start[index + 1]) continue;
       EchoHistogram::Cell cell{.row = row, .col = col};
-      double range_sum = 0.0;
-      double azimuth_sum = 0.0;
+      const double middle_rad = 0.5 * (edges_rad[col] + edges_rad[col + 1]);
+      const double per_ray = 1.0 / echoes.rays_per_beam[col];
+      double range_sum_m = 0.0;
+      double azimuth_sum_rad = 0.0;
       for (std::uint32_t i = start[index]; i < start[index + 1]; ++i) {
         const std::uint32_t echo = order[i];
-        const double weight = echoes.Weight(echo) / echoes.rays_per_beam[col];
+        const double weight = echoes.Weight(echo) * per_ray;
         const double range_m = echoes.range_m[echo];
         cell.weight += weight;
-        range_sum += weight * ((range_m - axes.range_min_m) / step_m - (row + 0.5));
-        azimuth_sum += weight * (echoes.azimuth_rad[echo] - 0.5 * (edges_rad[col] + edges_rad[col + 1]));
-        cell.log_range += weight * 40.0 * std::log10(range_m);
-        cell.two_way_range_m += weight * 2.0 * range_m;
-        const double position = DegFromRad<double>(echoes.incidence_rad[echo]) / kIncidenceStepDeg;
+        range_sum_m += weight * (range_m - middle_m);
+        azimuth_sum_rad += weight * (echoes.azimuth_rad[echo] - middle_rad);
+        cell.log_range += weight * loss.Db(range_m);
+        const double position = kNodesPerRad * echoes.incidence_rad[echo];
         const int node = std::clamp(static_cast<int>(position), 0, kIncidenceNodes - 2);
         const double fraction = std::clamp(position - node, 0.0, 1.0);
         const auto first = static_cast<std::uint32_t>(echoes.material[echo] * kIncidenceNodes + node);
@@ -59,10 +86,12 @@ RowCells CellsOfRows(const EchoList& echoes, const PolarAxes& axes, const std::v
         add(first + 1, weight * fraction);
       }
       if (cell.weight == 0.0) continue;  // rays of weight 0
+      cell.two_way_range_m = 2.0 * (cell.weight * middle_m + range_sum_m);
       // Clamps an echo of an outer margin, or one rounded across a border, to the cell's border.
       const double width_rad = edges_rad[col + 1] - edges_rad[col];
-      cell.range_offset = static_cast<float>(std::clamp(range_sum / cell.weight, -0.5, 0.5));
-      cell.azimuth_offset = static_cast<float>(std::clamp(azimuth_sum / cell.weight / width_rad, -0.5, 0.5));
+      cell.range_offset = static_cast<float>(std::clamp(range_sum_m / cell.weight / step_m, -0.5, 0.5));
+      cell.azimuth_offset =
+          static_cast<float>(std::clamp(azimuth_sum_rad / cell.weight / width_rad, -0.5, 0.5));
       std::sort(touched.begin(), touched.end());
       cell.first_entry = static_cast<std::uint32_t>(of.entries.size());
       for (const std::uint32_t node : touched) {
@@ -84,17 +113,22 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
   histogram.rows = axes.range_bins * kRangeSteps;
   histogram.beams = axes.beam_count();
   histogram.materials = static_cast<int>(echoes.material_names.size());
-  const double step_m = axes.range_bin_m() / kRangeSteps;
+  const double steps_per_m = kRangeSteps / axes.range_bin_m();
   const std::vector<double> edges_rad = axes.BeamEdgesRad();
   const std::size_t cells = static_cast<std::size_t>(histogram.rows) * histogram.beams;
 
   // Counting sort of echoes by cell.
   std::vector<std::uint32_t> cell_of_echo(echoes.size());
   std::vector<std::uint32_t> start(cells + 1, 0);
+  std::uint32_t first_of_row = 0;  // ray
   for (std::size_t echo = 0; echo < echoes.size(); ++echo) {
-    const int row = std::clamp(static_cast<int>((echoes.range_m[echo] - axes.range_min_m) / step_m), 0,
+    // A division per row of rays, not per echo.
+    if (echoes.ray[echo] - first_of_row >= static_cast<std::uint32_t>(echoes.cols))
+      first_of_row = echoes.ray[echo] - echoes.ray[echo] % echoes.cols;
+    const int beam = echoes.beam_of_column[echoes.ray[echo] - first_of_row];
+    const int row = std::clamp(static_cast<int>((echoes.range_m[echo] - axes.range_min_m) * steps_per_m), 0,
                                histogram.rows - 1);
-    cell_of_echo[echo] = static_cast<std::uint32_t>(row * histogram.beams + echoes.Beam(echo));
+    cell_of_echo[echo] = static_cast<std::uint32_t>(row * histogram.beams + beam);
     ++start[cell_of_echo[echo] + 1];
   }
   for (std::size_t cell = 0; cell < cells; ++cell) start[cell + 1] += start[cell];

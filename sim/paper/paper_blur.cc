@@ -247,17 +247,24 @@ void PaperBlur::WeighBeams(const EchoHistogram::Cell& cell, BeamWeights& beams) 
   const int number = kernel_of_row_[cell.row];
   if (number < 0) {
     beams.first = cell.col;
-    beams.weight.assign(1, 1.0);
+    beams.weight.assign(1, 1.0F);
     return;
   }
   const AzimuthKernel& kernel = kernels_[number];
   const double growth_rad = sigma_azimuth_rad_[cell.row] - kernel.sigma_rad;
   beams.first = kernel.first[cell.col];
-  beams.weight.clear();
-  for (int beam = beams.first; beam < kernel.last[cell.col]; ++beam) {
-    const std::ptrdiff_t at = kernel.start[cell.col] + beam;
-    beams.weight.push_back(kernel.value[at] + growth_rad * kernel.slope[at] +
-                           cell.azimuth_offset * (kernel.moment[at] + growth_rad * kernel.moment_slope[at]));
+  const int count = kernel.last[cell.col] - beams.first;
+  beams.weight.resize(count);
+  const std::ptrdiff_t start = kernel.start[cell.col] + beams.first;
+  const double* value = kernel.value.data() + start;
+  const double* slope = kernel.slope.data() + start;
+  const double* moment = kernel.moment.data() + start;
+  const double* moment_slope = kernel.moment_slope.data() + start;
+  const double offset = cell.azimuth_offset;
+  float* weight = beams.weight.data();
+  for (int i = 0; i < count; ++i) {
+    weight[i] = static_cast<float>(value[i] + growth_rad * slope[i] +
+                                   offset * (moment[i] + growth_rad * moment_slope[i]));
   }
 }
 

@@ -60,7 +60,7 @@ class PaperBlur {
   };
   struct BeamWeights {
     int first = 0;  // beam
-    std::vector<double> weight;
+    std::vector<float> weight;
   };
   int row_count() const { return histogram_.rows / group_; }
   // Cells [first, last) of a row of Rows.
