@@ -91,6 +91,12 @@ std::vector<TimedPose> WithMotion(std::vector<TimedPose> poses, const PingPatter
   return poses;
 }
 
+std::vector<Pose> PosesAlone(const std::vector<TimedPose>& poses) {
+  std::vector<Pose> alone;
+  for (const TimedPose& pose : poses) alone.push_back(pose.world_from_sonar);
+  return alone;
+}
+
 std::vector<TimedPose> PosesOfRecording(const RecordingSource& recording) {
   std::vector<TimedPose> poses;
   for (int index = 0; index < recording.frame_count(); ++index) {

@@ -64,6 +64,9 @@ std::vector<TimedPose> WithMotion(std::vector<TimedPose> poses, const PingPatter
 // because omitting one would shift all following poses.
 std::vector<TimedPose> PosesOfRecording(const RecordingSource& recording);
 
+// Without times and motion.
+std::vector<Pose> PosesAlone(const std::vector<TimedPose>& poses);
+
 // Reads a recording of any format that contains poses, or a file of poses, whose name ends in .json.
 std::vector<TimedPose> ReadPosesOrRecording(const std::filesystem::path& path);
 

@@ -163,8 +163,7 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
   for (const std::string& sentence : workflow::SimulationMessages(options.simulate, simulator, resolved))
     cli::PrintNote(options.common, sentence);
 
-  std::vector<Pose> world_from_sonar;
-  for (const data_io::TimedPose& pose : poses) world_from_sonar.push_back(pose.world_from_sonar);
+  const std::vector<Pose> world_from_sonar = data_io::PosesAlone(poses);
   const std::vector<int> empty = sim::PosesThatSeeNothing(simulator, world_from_sonar);
   if (!empty.empty())
     cli::PrintNote(options.common, sim::EmptyFramesWarning(simulator, world_from_sonar, empty));

@@ -25,6 +25,7 @@
 #include "core/types/units.h"
 #include "data_io/parameters/parameters_io.h"
 #include "sim/acoustic/acoustic_image.h"
+#include "sim/gathered/empty_frames.h"
 #include "sim/gathered/power_response.h"
 #include "sim/paper/paper_image.h"
 
@@ -290,17 +291,23 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   const auto trace_start = std::chrono::steady_clock::now();
   const std::vector<std::string>& materials = simulator.caster().material_names();
   SeenIncidence seen(materials.size());
+  std::vector<int> empty;  // frames that do not show the scene
+  const auto add = [&](int frame, const sim::EchoHistogram& histogram) {
+    seen.Add(histogram);
+    if (histogram.cells.empty()) empty.push_back(frame);
+  };
   std::vector<sim::EchoHistogram> echoes;  // of the paper's model, which fits and evaluates with them
   if (acoustic) {
     int done = 0;
     for (const int frame : split.used) {
-      seen.Add(sim::GatherEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), sonar.axes));
+      add(frame, sim::GatherEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), sonar.axes));
       if (options.on_trace) options.on_trace(++done, static_cast<int>(split.used.size()));
     }
   } else {
     echoes = TraceFrames(simulator, poses, FramesOf(split), options);
-    for (const int frame : split.used) seen.Add(echoes[frame]);
+    for (const int frame : split.used) add(frame, echoes[frame]);
   }
+  say(sim::CheckSceneIsSeen(simulator, data_io::PosesAlone(poses), split.used, empty));
   const double trace_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - trace_start).count();
 

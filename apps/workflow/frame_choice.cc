@@ -91,8 +91,7 @@ bool NeedsFrameChoice(int frame_count, const FrameChoiceOptions& options) {
 
 ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_io::TimedPose>& timed,
                           const FrameChoiceOptions& options) {
-  std::vector<Pose> poses;
-  for (const data_io::TimedPose& pose : timed) poses.push_back(pose.world_from_sonar);
+  const std::vector<Pose> poses = data_io::PosesAlone(timed);
   std::vector<char> may_be_fitted(poses.size(), 1);
   if (options.held_out) {
     for (const int frame : *options.held_out) may_be_fitted[frame] = 0;

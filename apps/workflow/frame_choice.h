@@ -16,8 +16,8 @@
 
 namespace sonarcal::workflow {
 
-// A fit needs up to 160 bytes per pixel, so that this many stay below 2 GiB.
-inline constexpr double kMaxFittedPixels = 10e6;
+// A calibration needs up to 240 bytes per pixel, so that this many stay below 2 GiB.
+inline constexpr double kMaxFittedPixels = 8e6;
 
 // Frames of a long recording that are used. Fewer of large frames: those that are fitted together hold max
 // kMaxFittedPixels.

@@ -325,8 +325,7 @@ std::unique_ptr<MemoryRecording> Simulate(const Scene& scene, const SonarChoice&
   const sim::Simulator simulator(scene, sonar.sonar, prepared.simulation);
   for (const std::string& sentence : SimulationMessages(options, simulator, prepared))
     listener.Message(sentence);
-  std::vector<Pose> world_from_sonar;
-  for (const data_io::TimedPose& pose : poses) world_from_sonar.push_back(pose.world_from_sonar);
+  const std::vector<Pose> world_from_sonar = data_io::PosesAlone(poses);
   const std::vector<int> empty = sim::PosesThatSeeNothing(simulator, world_from_sonar);
   if (!empty.empty()) listener.Message(sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
   const int total = static_cast<int>(poses.size());

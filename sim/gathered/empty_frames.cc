@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "core/types/error.h"
 #include "sim/rays/trace.h"
 
 namespace sonarcal::sim {
@@ -18,8 +19,7 @@ std::string LikelyReason(const PolarAxes& axes, const Eigen::AlignedBox3f& box,
   if (away_m > axes.range_max_m) {
     return fmt::format(
         "the scene begins {:.4g} m away from the sonar, beyond the range window; check the unit of the scene "
-        "and "
-        "the positions",
+        "and the positions",
         away_m);
   }
   const double diagonal_m = box.diagonal().norm();
@@ -31,8 +31,7 @@ std::string LikelyReason(const PolarAxes& axes, const Eigen::AlignedBox3f& box,
   if (away_m > 0.0 && ahead.dot(to_scene.normalized()) < 0.5) {
     return fmt::format(
         "the sonar looks along ({:.2f}, {:.2f}, {:.2f}) and the scene lies elsewhere; check the axes of the "
-        "poses "
-        "(Y of the sonar is forward, Z up) and the upward axis of the scene",
+        "poses (Y of the sonar is forward, Z up) and the upward axis of the scene",
         ahead.x(), ahead.y(), ahead.z());
   }
   constexpr double kManyWindows = 100.0;
@@ -40,6 +39,19 @@ std::string LikelyReason(const PolarAxes& axes, const Eigen::AlignedBox3f& box,
     return fmt::format("the scene is {:.4g} m large; check its unit", diagonal_m);
   }
   return "check the positions, the direction of view and the range window";
+}
+
+std::string WhyEmpty(const Simulator& simulator, const std::vector<Pose>& world_from_sonar, int frame) {
+  const PolarAxes& axes = simulator.sonar().axes;
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& vertex_m : simulator.caster().scene().vertices_m) box.extend(vertex_m);
+  const Pose& pose = world_from_sonar[static_cast<std::size_t>(frame)];
+  const Eigen::Vector3d& at = pose.position_m;
+  return fmt::format(
+      "no ray hits the scene within {:g} .. {:g} m. In frame {} the sonar is at ({:.4g}, {:.4g}, {:.4g}) m, the "
+      "scene spans ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m: {}",
+      axes.range_min_m, axes.range_max_m, frame, at.x(), at.y(), at.z(), box.min().x(), box.min().y(),
+      box.min().z(), box.max().x(), box.max().y(), box.max().z(), LikelyReason(axes, box, pose));
 }
 
 std::string Listed(const std::vector<int>& indices) {
@@ -64,23 +76,34 @@ std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vect
   return empty;
 }
 
+std::string CheckSceneIsSeen(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
+                             const std::vector<int>& frames, const std::vector<int>& empty) {
+  if (empty.empty()) return {};
+  const std::string why = WhyEmpty(simulator, world_from_sonar, empty.front());
+  if (empty.size() == frames.size()) throw DataError("the recording's poses do not show the scene: {}", why);
+  return fmt::format("warning: {} of {} frames used do not show the scene ({}): {}", empty.size(),
+                     frames.size(), Listed(empty), why);
+}
+
+std::string CheckSceneIsSeen(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
+                             const std::vector<int>& frames) {
+  std::vector<Pose> poses;
+  for (const int frame : frames) poses.push_back(world_from_sonar[static_cast<std::size_t>(frame)]);
+  std::vector<int> empty;
+  for (const int position : PosesThatSeeNothing(simulator, poses))
+    empty.push_back(frames[static_cast<std::size_t>(position)]);
+  return CheckSceneIsSeen(simulator, world_from_sonar, frames, empty);
+}
+
 std::string EmptyFramesWarning(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
                                const std::vector<int>& empty) {
   if (empty.empty()) return {};
-  const PolarAxes& axes = simulator.sonar().axes;
-  Eigen::AlignedBox3f box;
-  for (const Eigen::Vector3f& vertex_m : simulator.caster().scene().vertices_m) box.extend(vertex_m);
-  const Pose& first = world_from_sonar[static_cast<std::size_t>(empty.front())];
-  const Eigen::Vector3d& at = first.position_m;
-  return fmt::format(
-      "warning: {}: no ray hits the scene within {:g} .. {:g} m. In frame {} the sonar is at ({:.4g}, "
-      "{:.4g}, "
-      "{:.4g}) m, the scene spans ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m: {}",
-      empty.size() == world_from_sonar.size() ? std::string("every frame is empty")
-                                              : fmt::format("{} of {} frames are empty ({})", empty.size(),
-                                                            world_from_sonar.size(), Listed(empty)),
-      axes.range_min_m, axes.range_max_m, empty.front(), at.x(), at.y(), at.z(), box.min().x(), box.min().y(),
-      box.min().z(), box.max().x(), box.max().y(), box.max().z(), LikelyReason(axes, box, first));
+  return fmt::format("warning: {}: {}",
+                     empty.size() == world_from_sonar.size()
+                         ? std::string("every frame is empty")
+                         : fmt::format("{} of {} frames are empty ({})", empty.size(),
+                                       world_from_sonar.size(), Listed(empty)),
+                     WhyEmpty(simulator, world_from_sonar, empty.front()));
 }
 
 }  // namespace sonarcal::sim

@@ -13,6 +13,14 @@ namespace sonarcal::sim {
 // rays for a pose that sees something, all rays for one that does not.
 std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar);
 
+// Warning about the `empty` ones of these frames, from which no ray hits the scene; empty if there is none.
+// Throws DataError if it is all of them, because they say nothing about the scene.
+std::string CheckSceneIsSeen(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
+                             const std::vector<int>& frames, const std::vector<int>& empty);
+// The same; looks which ones are empty.
+std::string CheckSceneIsSeen(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
+                             const std::vector<int>& frames);
+
 // Warning about the `empty` poses, with the likely reason for the first of them.
 std::string EmptyFramesWarning(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
                                const std::vector<int>& empty);

@@ -24,6 +24,7 @@
 #include "calib/selection/model_variants.h"
 #include "core/types/error.h"
 #include "data_io/pose_io.h"
+#include "sim/gathered/empty_frames.h"
 
 namespace sonarcal::workflow {
 namespace {
@@ -169,6 +170,7 @@ class Calibrator {
     const ThreadLimit threads(options_.rays.threads);
     PrepareStart();
     Stage(CalibrationStage::kFrames, [&] { return ChooseFrames(); });
+    CheckSceneIsSeen();
     Stage(CalibrationStage::kWater, [&] { return ChooseWaterAndAbsorption(); });
     Stage(CalibrationStage::kNoise, [&] { return ChooseNoise(); });
     Stage(CalibrationStage::kPlacement, [&] { return ChoosePlacement(); });
@@ -294,6 +296,13 @@ class Calibrator {
           "whether the choices hold elsewhere: the held-out frames have poses of fitted ones, and their "
           "speckle if the scene is static");
     }
+  }
+
+  void CheckSceneIsSeen() const {
+    const std::string warning = sim::CheckSceneIsSeen(
+        MakeSimulator(plan_.parameters), data_io::PosesAlone(data_io::PosesOfRecording(recording_)),
+        *plan_.fit.used);
+    if (!warning.empty()) listener_.Message(warning);
   }
 
   CalibrationDecision ChooseWaterAndAbsorption() {

@@ -257,6 +257,14 @@ TEST_F(CalibrateCommand, WhatCannotBeUsedIsRefusedInOneSentence) {
   std::filesystem::copy(*world_ / "real", *world_ / "blind");
   testing::WriteFile(*world_ / "blind/recording.json", recording.dump());
   refuses("", "has no 'world_from_sonar'", "blind");
+  nlohmann::json far = ReadJsonFile(*world_ / "real/recording.json");
+  for (nlohmann::json& frame : far["frames"]) {
+    for (nlohmann::json& along_m : frame["world_from_sonar"]["position_m"])
+      along_m = 1000.0 * along_m.get<double>();  // in millimetres
+  }
+  std::filesystem::copy(*world_ / "real", *world_ / "far");
+  testing::WriteFile(*world_ / "far/recording.json", far.dump());
+  refuses("", "the recording's poses do not show the scene: no ray hits", "far");
   refuses("--target lighthouse --poses " + Quoted(world_->poses()), "no object 'lighthouse' in the scene",
           "blind");
   refuses("--target lighthouse", "no object 'lighthouse' in the scene, expected one of floor, box");

@@ -272,18 +272,47 @@ TEST_F(FitFromPoses, AFitBeginsAtThePosesThatAnotherFitWrote) {
   EXPECT_THAT(outcome.err, HasSubstr("few.json"));
 }
 
-TEST_F(FitCommand, ARecordingWithoutEchoesEndsWithStatusThree) {
-  // No echo at all: every pixel of every parameter is dark.
+// The tiny scene with one more triangle, of material "buoy", which no frame shows.
+void WriteSceneWithBuoy(const TinyWorld& world) {
+  Scene scene = data_io::ReadGltf(world.scene());
+  const auto first = static_cast<int>(scene.vertices_m.size());
+  scene.vertices_m.insert(scene.vertices_m.end(), {{50, 50, 50}, {51, 50, 50}, {50, 51, 50}});
+  scene.triangles.emplace_back(first, first + 1, first + 2);
+  scene.triangle_material.push_back(scene.MaterialIndex("buoy"));
+  data_io::WriteGltf(scene, world.scene());
+}
+
+TEST_F(FitCommand, AFitThatNothingDeterminesEndsWithStatusThree) {
+  WriteSceneWithBuoy(world_);
+  ParameterSet start = StartingParameters();
+  start.materials["buoy"] = start.materials.begin()->second;
+  data_io::WriteParameters(world_ / "start.json", start);
+  const Outcome outcome =
+      RunSonarcal("fit --real " + Quoted(real_) + " --scene " + Quoted(world_.scene()) + " --params " +
+                  Quoted(world_ / "start.json") + " --out " + Quoted(world_ / "out") +
+                  " -q --rays 96x200 --starts 1 --free 'material.buoy.gsab.C'");
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(world_ / "out/fit.json"));
+  EXPECT_FALSE(std::filesystem::exists(world_ / "out/params.json"));
+}
+
+TEST_F(FitCommand, PosesThatDoNotShowTheSceneAreRefused) {
   data_io::WriteGltf(Scene{.vertices_m = {{50, 50, 50}, {51, 50, 50}, {50, 51, 50}},
                            .triangles = {{0, 1, 2}},
                            .triangle_material = {0},
                            .material_names = {"box"}},
                      world_.scene());
-  const Outcome outcome = RunSonarcal(Arguments());
-  EXPECT_EQ(outcome.status, 3) << outcome.err;
-  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
-  EXPECT_TRUE(std::filesystem::exists(world_ / "out/fit.json"));
-  EXPECT_FALSE(std::filesystem::exists(world_ / "out/params.json"));
+  for (const EchoModel model : {EchoModel::kPaper, EchoModel::kAcoustic}) {
+    ParameterSet start = StartingParameters();
+    start.model = model;
+    data_io::WriteParameters(world_ / "start.json", start);
+    const Outcome outcome = RunSonarcal(Arguments());
+    EXPECT_EQ(outcome.status, 1) << outcome.err;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("the recording's poses do not show the scene: no ray hits"));
+    EXPECT_THAT(outcome.err, HasSubstr("check the unit of the scene and the positions"));
+  }
 }
 
 // The tiny world with more noise, 50 dB and a pattern of another shape.
