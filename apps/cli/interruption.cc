@@ -18,6 +18,7 @@ namespace {
 
 std::atomic<bool> command_can_stop = false;
 std::atomic<bool> command_was_asked = false;
+std::atomic<bool> command_may_be_slow = false;
 
 // Ends the program by the signal, as a shell expects it.
 [[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
@@ -36,20 +37,20 @@ void WaitForSignals(const sigset_t& signals) {
   if (sigwait(&signals, &signal) != 0) return;
   if (!command_can_stop) EndBy(signal, signals, "interrupted");
   command_was_asked = true;
-  // Most commands stop at once. For others, a message tells the user to wait.
-  constexpr timespec kMoment = {1, 0};
+  constexpr timespec kMoment = {0, 700'000'000};
   int again = sigtimedwait(&signals, nullptr, &kMoment);
-  if (again < 0) {
+  if (again < 0 && command_may_be_slow) {
     std::cerr << '\n';
-    PrintError("stopping after the present frame; a second interruption ends at once");
+    PrintError("stopping when what runs has ended; a second interruption ends at once");
     if (sigwait(&signals, &again) != 0) return;
   }
-  EndBy(again, signals, "interrupted twice: ended at once");
+  EndBy(again < 0 ? signal : again, signals, again < 0 ? "interrupted" : "interrupted twice: ended at once");
 }
 
 }  // namespace
 
-Interruption::Interruption() {
+Interruption::Interruption(IfSlow if_slow) {
+  command_may_be_slow = if_slow == IfSlow::kWait;
   command_can_stop = true;
 }
 

@@ -8,11 +8,15 @@
 
 namespace sonarcal::cli {
 
-// During the lifetime of an object, the first signal only sets asked(). A second one ends the program at
-// once. Only one object may exist at a time.
+// During the lifetime of an object, the first signal only sets asked(). The program ends at once if it has not
+// stopped a moment later, and at a second signal. Only one object may exist at a time.
 class Interruption {
  public:
-  Interruption();
+  // What happens a moment after the first signal if the command still runs. kWait is for a command that would
+  // leave other processes behind.
+  enum class IfSlow { kEnd, kWait };
+
+  explicit Interruption(IfSlow if_slow = IfSlow::kEnd);
   ~Interruption();
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;

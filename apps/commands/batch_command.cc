@@ -122,7 +122,7 @@ cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
   if (options.summary_only) return Finish(options, out, runner);
   if (!options.only.empty()) return RunOneJob(options, runner);
 
-  const cli::Interruption interruption;
+  const cli::Interruption interruption(cli::Interruption::IfSlow::kWait);
   bool is_complete = false;
   {
     cli::Progress progress("Batch", static_cast<int>(runner.plan().jobs.size()), options.common, "jobs");

@@ -169,6 +169,27 @@ TEST_F(SimulateResume, AnInterruptionLeavesARecordingThatCanBeGoneOnWith) {
   EXPECT_EQ(Contents(world_ / "out"), Uninterrupted());
 }
 
+// A frame of this many rays takes many seconds.
+TEST_F(SimulateResume, ASlowFrameIsGivenUpAtAnInterruption) {
+  const Outcome some = RunSonarcal(Arguments("out", "-q --frames :2"));
+  ASSERT_EQ(some.status, 0) << some.err;
+  const std::map<std::string, std::string> before = Contents(world_ / "out");
+  rays_ = "2400x30000";
+  Running running(Arguments("out", "-q --model coherent"), world_ / "err");
+  ASSERT_TRUE(running.SignalOnce(world_ / "out/.out.unfinished", 0));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // into the frame
+  ASSERT_TRUE(running.SignalOnce(world_ / "out/.out.unfinished", SIGINT));
+  const auto asked = std::chrono::steady_clock::now();
+  const int status = running.Wait().wait_status;
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(10)) << "a frame takes longer";
+  const std::string sentence = ReadFile(world_ / "err");
+  ASSERT_TRUE(WIFSIGNALED(status)) << sentence;
+  EXPECT_EQ(WTERMSIG(status), SIGINT);
+  EXPECT_THAT(sentence, HasSubstr("interrupted, unfinished outputs were removed"));
+  EXPECT_EQ(Contents(world_ / "out"), before) << "the recording that was there stays";
+  EXPECT_FALSE(fs::exists(world_ / "out/.out.unfinished"));
+}
+
 TEST_F(SimulateResume, AKilledRunIsContinued) {
   rays_ = "384x250";  // a depth image takes longer than a frame
   const int status = EndAt(12, SIGKILL, "-q --depth");
