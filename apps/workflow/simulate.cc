@@ -15,6 +15,7 @@
 #include "data_io/recordings/recalibrated_recording.h"
 #include "data_io/recordings/recording_io.h"
 #include "sim/gathered/empty_frames.h"
+#include "sim/physics/beam_and_pulse.h"
 #include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal::workflow {
@@ -298,6 +299,33 @@ PreparedSimulation PrepareSimulation(const SimulateOptions& options, const Sonar
   return {.parameters = std::move(parameters), .simulation = simulation, .water_note = water.note};
 }
 
+namespace {
+
+// Parameters for which a frame takes many times as long as usual.
+std::vector<std::string> CostCaveats(const SimulateOptions& options, const sim::Simulator& simulator,
+                                     const ParameterSet& parameters) {
+  constexpr double kManyTimes = 16.0;
+  std::vector<std::string> sentences;
+  if (parameters.model == EchoModel::kPaper || !IsRandom(options, parameters.model)) return sentences;
+  if (const double looks = parameters.receiver.looks; looks > kManyTimes) {
+    sentences.push_back(fmt::format(
+        "warning: receiver.looks is {:g}: a sample draws as many fields, so that a frame takes up to {:g} "
+        "times as long as with one look",
+        looks, looks));
+  }
+  const PolarAxes& axes = simulator.sonar().axes;
+  const double pulse_m = sim::PulseLengthM(simulator.sonar(), parameters);
+  if (parameters.model == EchoModel::kCoherent && pulse_m > kManyTimes * axes.range_bin_m()) {
+    sentences.push_back(fmt::format(
+        "warning: the pulse is {:g} m long, {:.0f} range bins: the coherent model adds each echo to all bins "
+        "that its pulse reaches, so that a frame takes many times as long as usual",
+        pulse_m, pulse_m / axes.range_bin_m()));
+  }
+  return sentences;
+}
+
+}  // namespace
+
 std::vector<std::string> SimulationMessages(const SimulateOptions& options, const sim::Simulator& simulator,
                                             const PreparedSimulation& prepared) {
   std::vector<std::string> sentences;
@@ -307,6 +335,8 @@ std::vector<std::string> SimulationMessages(const SimulateOptions& options, cons
   if (!caveat.empty()) sentences.push_back(caveat);
   const ParameterSet& parameters = prepared.parameters;
   for (std::string& sentence : MirrorCaveats(parameters, simulator.caster().material_names()))
+    sentences.push_back(std::move(sentence));
+  for (std::string& sentence : CostCaveats(options, simulator, parameters))
     sentences.push_back(std::move(sentence));
   if (std::string note = RaysNote(options.rays, simulator); !note.empty())
     sentences.push_back(std::move(note));

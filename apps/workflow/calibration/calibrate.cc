@@ -299,9 +299,9 @@ class Calibrator {
   }
 
   void CheckSceneIsSeen() const {
-    const std::string warning = sim::CheckSceneIsSeen(
-        MakeSimulator(plan_.parameters), data_io::PosesAlone(data_io::PosesOfRecording(recording_)),
-        *plan_.fit.used);
+    const std::string warning =
+        sim::CheckSceneIsSeen(MakeSimulator(plan_.parameters),
+                              data_io::PosesAlone(data_io::PosesOfRecording(recording_)), *plan_.fit.used);
     if (!warning.empty()) listener_.Message(warning);
   }
 

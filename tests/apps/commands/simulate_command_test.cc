@@ -310,6 +310,27 @@ TEST(SimulateCommand, TheCoherentModelGivesASampleThatTheSeedDecides) {
   EXPECT_EQ(provenance["configuration"]["noise"], true);
 }
 
+TEST(SimulateCommand, SaysIfAFrameTakesManyTimesAsLong) {
+  const TinyWorld world;
+  ParameterSet parameters = testing::TinyAcousticParameters();
+  const auto warnings = [&](const std::string& extra) {
+    data_io::WriteParameters(world.params(), parameters);
+    const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --frames :1 --force --out " +
+                                        Quoted(world / "sim") + extra);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_THAT(warnings(" --noise"), Not(HasSubstr("times as long")));
+  EXPECT_THAT(warnings(" --model coherent"), Not(HasSubstr("times as long")));
+  parameters.receiver.looks = 20.0;
+  EXPECT_THAT(warnings(" --noise"), HasSubstr("receiver.looks is 20: a sample draws as many fields"));
+  EXPECT_THAT(warnings(" --expected"), Not(HasSubstr("times as long"))) << "no sample";
+  parameters.receiver.looks = 1.0;
+  parameters.pulse.length_m = 2.0;
+  EXPECT_THAT(warnings(" --noise"), Not(HasSubstr("times as long"))) << "no scatterers";
+  EXPECT_THAT(warnings(" --model coherent"), HasSubstr("warning: the pulse is 2 m long"));
+}
+
 TEST(SimulateCommand, FrozenSpeckleStaysWhileNothingMoves) {
   const TinyWorld world;
   std::vector<data_io::TimedPose> poses(2, data_io::ReadPoses(world.poses())[1]);
