@@ -16,7 +16,9 @@ namespace sonarcal::view {
 namespace {
 
 constexpr const char* kHost = "127.0.0.1";
-constexpr int kThreads = 8;  // a browser opens six connections
+// A browser opens six connections. One that sends no request holds a thread for as long as the time limit.
+constexpr int kThreads = 64;
+constexpr int kReadLimitS = 1;
 
 // Rights of the page in a browser: its own scripts and pictures, requests to this server, no frames.
 constexpr const char* kPolicy =
@@ -95,6 +97,7 @@ struct ViewServer::Http {
     server.set_payload_max_length(kMaxViewRequestBytes);
     server.set_keep_alive_max_count(100'000);
     server.set_keep_alive_timeout(1);
+    server.set_read_timeout(kReadLimitS);
     server.set_tcp_nodelay(true);
     // Allows a restart on the same port, but not two programs on one port, which is the library's default.
     server.set_socket_options([](socket_t socket) {

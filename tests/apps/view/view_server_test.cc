@@ -1,14 +1,21 @@
 // `sonarcal view` by its socket: who is let in, and what a browser is told it may do.
 #include "apps/view/view_server.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <future>
+#include <memory>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -20,6 +27,7 @@
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 #include "tests/apps/tiny_world.h"
+#include "tests/apps/view/view_world.h"
 
 namespace sonarcal::view {
 namespace {
@@ -172,6 +180,77 @@ TEST_F(ViewServerTest, UnknownPathsBadAndLargeBodies) {
       "application/json");
   EXPECT_TRUE(!chunked || chunked->status == 413);
   EXPECT_EQ(Client().Get("/")->status, 200);  // it is still there
+}
+
+// A page that any site can open must not be able to change anything by a link or a picture.
+TEST_F(ViewServerTest, AGetChangesNothing) {
+  for (const char* path : {"/api/render", "/api/recorded", "/api/compare", "/api/files", "/api/save",
+                           "/api/fit/start", "/api/fit/stop"}) {
+    const auto answer = Client().Get(path, Token());
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->status, 404) << path;
+  }
+}
+
+// A connection to the server that sends this and no more.
+class Unfinished {
+ public:
+  Unfinished(int port, const std::string& bytes) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
+    EXPECT_EQ(write(socket_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  ~Unfinished() { close(socket_); }
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+
+ private:
+  int socket_;
+};
+
+TEST_F(ViewServerTest, UnfinishedRequestsDoNotShutThePageOut) {
+  std::vector<std::unique_ptr<Unfinished>> slow;
+  for (const char* bytes :
+       {"", "GET / HTTP/1.1\r\nHost: 127", "POST /api/render HTTP/1.1\r\nContent-Length: 9\r\n\r\n{"}) {
+    for (int i = 0; i < 30; ++i) slow.push_back(std::make_unique<Unfinished>(server_->port(), bytes));
+  }
+  auto client = Client();
+  client.set_read_timeout(60);
+  const auto page = client.Get("/");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+}
+
+TEST_F(ViewServerTest, TwoPagesAtOnceGetTheirOwnImages) {
+  const nlohmann::json given =
+      nlohmann::json::parse(data_io::ParametersJson(testing::TinyParameters()).dump());
+  const auto state = [&](double source_level_db, int sequence) {
+    nlohmann::json parameters = given;
+    parameters["source_level_db"] = source_level_db;
+    return nlohmann::json{{"parameters", parameters},
+                          {"client", fmt::format("page {}", source_level_db)},
+                          {"sequence", sequence}};
+  };
+  const auto images = [&](double source_level_db, int first_sequence) {
+    std::vector<std::string> bodies;
+    auto client = Client();
+    for (int i = 0; i < 20; ++i) {
+      const auto answer = client.Post("/api/render", Token(),
+                                      state(source_level_db, first_sequence + i).dump(), "application/json");
+      bodies.push_back(answer ? testing::ReadFramed({answer->status, {}, answer->body}).data : std::string());
+    }
+    return bodies;
+  };
+  const std::vector<std::string> quiet = images(190.0, 1);
+  const std::vector<std::string> loud = images(205.0, 1);
+  ASSERT_NE(quiet.front(), loud.front());
+  ASSERT_FALSE(quiet.front().empty());
+  auto other = std::async(std::launch::async, [&] { return images(205.0, 100); });
+  EXPECT_EQ(images(190.0, 100), quiet);
+  EXPECT_EQ(other.get(), loud);
 }
 
 // Poses moved on the page, saved as poses.json, and read by `convert` and `fit`.
