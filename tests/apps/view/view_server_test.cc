@@ -10,11 +10,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <future>
 #include <memory>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -215,7 +217,10 @@ TEST_F(ViewServerTest, UnfinishedRequestsDoNotShutThePageOut) {
   std::vector<std::unique_ptr<Unfinished>> slow;
   for (const char* bytes :
        {"", "GET / HTTP/1.1\r\nHost: 127", "POST /api/render HTTP/1.1\r\nContent-Length: 9\r\n\r\n{"}) {
-    for (int i = 0; i < 30; ++i) slow.push_back(std::make_unique<Unfinished>(server_->port(), bytes));
+    for (int i = 0; i < 30; ++i) {
+      slow.push_back(std::make_unique<Unfinished>(server_->port(), bytes));
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));  // the queue of the socket is short
+    }
   }
   auto client = Client();
   client.set_read_timeout(60);
