@@ -122,8 +122,8 @@ class PaperFitter {
     });
   }
 
-  // Solves for values and noise: by blocks of pixels, where moves to better curves cost little, and from there
-  // by all pixels.
+  // Solves for values and noise: by blocks of pixels, where moves to better curves cost little, and from
+  // there by all pixels.
   ModelFit Settle(const ModelFit& from, PaperFrameModel& coarse) {
     if (&coarse == &model_) return SettleBy(model_, config_, from);
     const ModelFit on_blocks = SettleBy(coarse, ConfigOfBlocks(), from);

@@ -540,8 +540,8 @@ class World:
         turned = {f"poses.{i}.motion": {"turn_rate_deg_per_s": [0, 0, 40]} for i in range(len(poses["poses"]))}
         self.write("turning_poses.json", changed(poses, turned))
         self.write("repeated.json", changed(poses, {"poses.1.world_from_sonar": poses["poses"][0]["world_from_sonar"]}))
-        upwards = {"poses.0.world_from_sonar.quaternion_wxyz": [0.7071068, 0.7071068, 0, 0]}
-        self.write("upwards.json", changed(POSES, upwards))
+        away = {"poses.0.world_from_sonar.quaternion_wxyz": [0, 0, 0, 1]}  # from the mockup
+        self.write("away.json", changed(POSES, away))
         self.write("acoustic.json", {
             "format": "sonar-parameters/1",
             "model": "acoustic",
@@ -558,7 +558,7 @@ class World:
         run(f"simulate {repeated} --noise --frozen-speckle --out frozen")
         run("simulate --scene paper/tank.gltf --sonar turning_input/sonar.json --params acoustic.json "
             "--poses turning_poses.json --rays 48x60 --noise --out turning")
-        run(f"simulate {world} --params paper/params.json --poses upwards.json --rays 24x8 --out empty")
+        run(f"simulate {world} --params paper/params.json --poses away.json --rays 24x8 --out away")
         run("convert recorded --frames 0:2 --out converted")
         self.compare()
         self.fit()
@@ -588,7 +588,7 @@ class World:
         run(f"{acoustic} --held-out 2,3 --free receiver.noise_db,pose.mount.z_m --trust-all --out moved")
         run("fit --real frozen --noise-only --find-background --out noise")
         run("fit --real frozen --still --out still")
-        run(f"fit --real empty {paper} --rays 24x8 --out unusable", status=3)
+        run(f"fit --real away {paper} --free material.mockup.* --rays 24x8 --out unusable", status=3)
         run("compare --real frozen --sim frozen --frames 0:1 --pictures 0 --segmentation likelihood_ratio "
             "--background-params noise/params.json --out likelihood_ratio")
 

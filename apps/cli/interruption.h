@@ -8,12 +8,12 @@
 
 namespace sonarcal::cli {
 
-// During the lifetime of an object, the first signal only sets asked(). The program ends at once if it has not
-// stopped a moment later, and at a second signal. Only one object may exist at a time.
+// During the lifetime of an object, the first signal only sets asked(). The program ends at once if it has
+// not stopped a moment later, and at a second signal. Only one object may exist at a time.
 class Interruption {
  public:
-  // What happens a moment after the first signal if the command still runs. kWait is for a command that would
-  // leave other processes behind.
+  // Effect on a command that still runs a moment after the first signal. kWait is for one that would lose
+  // what is finished, or leave other processes behind.
   enum class IfSlow { kEnd, kWait };
 
   explicit Interruption(IfSlow if_slow = IfSlow::kEnd);

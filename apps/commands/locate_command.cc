@@ -93,7 +93,7 @@ cli::ExitStatus RunLocate(const LocateCommandOptions& options) {
   std::vector<data_io::TimedPose> start;
   if (!options.poses.empty()) start = data_io::ReadPosesOrRecording(options.poses);
   cli::RunOutput output(options.out, "locate", options.common.force);
-  const cli::Interruption interruption;
+  const cli::Interruption interruption(cli::Interruption::IfSlow::kWait);  // frames found are written
   workflow::Location location = workflow::Locate(
       *recording, mesh, frames, options.locate, start,
       {.progress = {},

@@ -25,12 +25,12 @@ void RegisterErrors(py::module_& module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const sonarcal::DataError& error) {
-      data_error(error.what());
+      PyErr_SetString(data_error.ptr(), error.what());
     } catch (const sonarcal::UsageError& error) {
-      usage_error(sonarcal::python::WithKeywords(error.what()).c_str());
+      PyErr_SetString(usage_error.ptr(), sonarcal::python::WithKeywords(error.what()).c_str());
     } catch (const std::filesystem::filesystem_error& error) {
       const std::filesystem::path& path = error.path2().empty() ? error.path1() : error.path2();
-      data_error(fmt::format("{}: {}", path.string(), error.code().message()).c_str());
+      PyErr_SetString(data_error.ptr(), fmt::format("{}: {}", path.string(), error.code().message()).c_str());
     }
   });
 }

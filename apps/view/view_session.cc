@@ -206,15 +206,14 @@ ViewComparison ViewSession::Compare(const ViewState& state) {
     const Pose& pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
     options.boxes[0] = geometry_->ObjectBox(pose, *setup_.compare.object);
   }
-  metrics::MetricsReport report = workflow::CompareRecordings(
-      MemoryRecording(setup_.real->info(), std::move(of_real)),
-      MemoryRecording(std::move(info), std::move(of_simulation)), options,
-      [&](const PolarImage&, const PolarImage&, const metrics::FrameMetrics& metrics) {
-        comparison.metrics.masks = metrics.masks;
-      });
-  std::optional<metrics::FrameMasks> masks = std::move(comparison.metrics.masks);
+  std::optional<metrics::FrameMasks> masks;
+  metrics::MetricsReport report =
+      workflow::CompareRecordings(MemoryRecording(setup_.real->info(), std::move(of_real)),
+                                  MemoryRecording(std::move(info), std::move(of_simulation)), options,
+                                  [&](const PolarImage&, const PolarImage&,
+                                      const metrics::FrameMetrics& metrics) { masks = metrics.masks; });
   comparison.metrics = std::move(report.frames.at(0));
-  comparison.metrics.masks = std::move(masks);
+  comparison.metrics.masks.swap(masks);
   comparison.metrics.index = state.frame;
   comparison.notes = std::move(report.notes);
   return comparison;

@@ -69,7 +69,7 @@ class PaperEvaluation final : public FrameEvaluation {
   // Calls body(lit) until all of these pixels are through.
   template <typename Body>
   void ForLit(std::size_t first, std::size_t last, const Body& body) const;
-  // Of a column that is not of a curve.
+  // Derivative by the parameter of a column that is not of a curve.
   double Derivative(const Column& column, std::size_t pixel, const double* sums, double total) const;
   void Residuals(std::span<const double> total, std::span<const double> recorded,
                  std::span<PaperResidual> residuals) const;

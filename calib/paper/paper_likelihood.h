@@ -51,7 +51,7 @@ class PaperLikelihood {
   // of full scale.
   ValueAndSlope ExpectedRecorded(double mean, double level) const;
   PaperResidual Residual(double mean, double recorded, double level) const;
-  // The same of several pixels.
+  // Residuals of several pixels with values of one level.
   void Residuals(std::span<const double> mean, std::span<const double> recorded, double level,
                  std::span<PaperResidual> residuals) const;
 

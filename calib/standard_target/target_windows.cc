@@ -134,8 +134,9 @@ TargetWindows FindTargetWindows(const RecordingSource& recording, const DisplayP
   for (const Sighted& one : sighted) {
     std::optional<EchoWindow> window = WindowOf(one, axes, bins, beams);
     if (!window) {
-      const std::string why = "pixels near the target are clipped at the top of the display";
-      result.left_out.push_back({one.frame, why, {}});
+      FrameLeftOut& left_out = result.left_out.emplace_back();
+      left_out.frame = one.frame;
+      left_out.why = "pixels near the target are clipped at the top of the display";
       continue;
     }
     result.windows.push_back(*std::move(window));

@@ -222,8 +222,9 @@ class NeusisRecording final : public RecordingSource {
   NeusisRecording(const fs::path& path, Files files) : files_(std::move(files)) {
     config_ = ReadConfig(files_.config);
     const PickledDict first = ReadDict(0);
-    const NumpyArray& array = ImageArrayOf(first, files_.pickles[0].string());
-    const Picture picture = PictureOf(array, files_.pickles[0].string());
+    const std::string file = files_.pickles[0].string();
+    const NumpyArray& array = ImageArrayOf(first, file);
+    const Picture picture = PictureOf(array, file);
     info_.source = path.string();
     info_.format = "NeuSIS pickles";
     info_.sonar.name = config_.sonar_name;

@@ -17,7 +17,7 @@ std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vect
 // Throws DataError if it is all of them, because they say nothing about the scene.
 std::string CheckSceneIsSeen(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
                              const std::vector<int>& frames, const std::vector<int>& empty);
-// The same; looks which ones are empty.
+// Looks which frames are empty, and calls the function above.
 std::string CheckSceneIsSeen(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
                              const std::vector<int>& frames);
 

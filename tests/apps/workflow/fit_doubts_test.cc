@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calib/poses/target_pose.h"
+#include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/scenes/scenes.h"
 #include "tests/calib/small_body.h"
@@ -20,9 +21,20 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// A body in open water, seen once; recorded with another pose.
+// A triangle ahead of a sonar at this pose.
+void AddBackdrop(const Pose& world_from_sonar, Scene& scene) {
+  const auto first = static_cast<int>(scene.vertices_m.size());
+  for (const Eigen::Vector3d& corner_m :
+       {Eigen::Vector3d(-0.3, 1.5, -0.3), Eigen::Vector3d(0.3, 1.5, -0.3), Eigen::Vector3d(0.0, 1.5, 0.3)})
+    scene.vertices_m.emplace_back((world_from_sonar * corner_m).cast<float>());
+  scene.triangles.emplace_back(first, first + 1, first + 2);
+  scene.triangle_material.push_back(scene.MaterialIndex("backdrop"));
+}
+
+// A body in open water, seen once; recorded with another pose. `backdrop`: stands ahead of that pose in the
+// fitted scene.
 RecordingFit FitFrom(const calib::TargetPose& recorded, const std::string& free,
-                     const std::optional<metrics::ObjectSearch>& object = {}) {
+                     const std::optional<metrics::ObjectSearch>& object = {}, bool backdrop = false) {
   const Scene body = sim::MakeBody({.max_edge_m = 0.04});
   const SonarModel sonar = CoarseSonar();
   const calib::TargetPose truth = BodyPose();
@@ -44,7 +56,13 @@ RecordingFit FitFrom(const calib::TargetPose& recorded, const std::string& free,
   options.config.free = std::vector<std::string>{free};
   options.keep_images = false;
   options.comparison.object = object;
-  return FitRecording(MemoryRecording(info, {frame}), body, BodyParameters(), options);
+  Scene scene = body;
+  ParameterSet start = BodyParameters();
+  if (backdrop) {
+    AddBackdrop(recorded.WorldFromSonar(), scene);
+    start.materials["backdrop"] = start.materials.begin()->second;
+  }
+  return FitRecording(MemoryRecording(info, {frame}), scene, start, options);
 }
 
 calib::TargetPose TurnedBy(double heading_deg) {
@@ -56,10 +74,17 @@ calib::TargetPose TurnedBy(double heading_deg) {
 TEST(FitDoubts, AnObjectOutOfViewIsDoubtedFirst) {
   calib::TargetPose aside = BodyPose();
   aside.azimuth_rad = RadFromDeg(80.0);
-  const RecordingFit fit = FitFrom(aside, "receiver.noise_db", metrics::ObjectSearch{.material = "body"});
+  const RecordingFit fit =
+      FitFrom(aside, "receiver.noise_db", metrics::ObjectSearch{.material = "body"}, /*backdrop=*/true);
   ASSERT_TRUE(fit.fit.usable);
   ASSERT_FALSE(fit.fit.report.warnings.empty());
   EXPECT_THAT(fit.fit.report.warnings.front(), HasSubstr("no pixel of the object in 1 of the 1 frames"));
+}
+
+TEST(FitDoubts, ASceneOutOfViewIsRefused) {
+  calib::TargetPose aside = BodyPose();
+  aside.azimuth_rad = RadFromDeg(80.0);
+  EXPECT_THROW(FitFrom(aside, "receiver.noise_db"), DataError);
 }
 
 TEST(FitDoubts, AHeadingHeldFiftyDegreesOffIsDoubtedFirst) {
