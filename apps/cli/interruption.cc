@@ -41,7 +41,7 @@ void WaitForSignals(const sigset_t& signals) {
   int again = sigtimedwait(&signals, nullptr, &kMoment);
   if (again < 0 && command_may_be_slow) {
     std::cerr << '\n';
-    PrintError("stopping when what runs has ended; a second interruption ends at once");
+    PrintError("waiting for the work that is running; a second interruption ends at once");
     if (sigwait(&signals, &again) != 0) return;
   }
   EndBy(again < 0 ? signal : again, signals, again < 0 ? "interrupted" : "interrupted twice: ended at once");

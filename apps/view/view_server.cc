@@ -16,7 +16,7 @@ namespace sonarcal::view {
 namespace {
 
 constexpr const char* kHost = "127.0.0.1";
-// A browser opens six connections. One that sends no request holds a thread for as long as the time limit.
+// A browser opens six connections. A connection that sends nothing holds a thread until the time limit.
 constexpr int kThreads = 64;
 constexpr int kReadLimitS = 1;
 

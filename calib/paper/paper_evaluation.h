@@ -66,7 +66,7 @@ class PaperEvaluation final : public FrameEvaluation {
     std::span<const double> sums;   // pixels x materials x kCurveStride
     std::span<const double> total;  // per pixel
   };
-  // Calls body(lit) until all of these pixels are through.
+  // Calls body(lit) for all of these pixels that show an echo, some at a time.
   template <typename Body>
   void ForLit(std::size_t first, std::size_t last, const Body& body) const;
   // Derivative by the parameter of a column that is not of a curve.
@@ -84,7 +84,7 @@ class PaperEvaluation final : public FrameEvaluation {
   double span_db_;
   std::shared_ptr<const std::vector<double>> table_;
   std::vector<Column> columns_;
-  std::vector<std::size_t> not_of_curves_;  // of the columns
+  std::vector<std::size_t> not_of_curves_;  // indices of columns
 };
 
 }  // namespace sonarcal::calib

@@ -19,8 +19,8 @@ struct RowCells {
   std::vector<EchoHistogram::Entry> entries;
 };
 
-// 40 log10 R of the echoes of a row of cells, dB. A series about the middle of the row, where it is exact to
-// 1e-9 dB.
+// 40 log10 R of the echoes of a row of cells, dB. Ranges near the middle of the row use a series about it,
+// which is exact to 1e-9 dB.
 class RowLoss {
  public:
   explicit RowLoss(double middle_m)
