@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -10,25 +11,31 @@ namespace {
 
 constexpr double kCutDb = -40.0;  // level at which a beam's response to noise is cut off
 constexpr double kSourcesPerWidth = 4.0;
+// Beams narrower than this fraction of the distance between neighbours share no noise: the power of the side
+// lobes of an even aperture is 1e-5 there.
+constexpr double kSharesNoise = 0.01;
 
-// Weights of a beam for the noise directions from `first` on.
-struct Window {
-  double first = 0.0;  // a whole number, too large for an integer if beams are very narrow
-  std::vector<double> weight;
-};
+double SmallestGapRad(const std::vector<double>& centres_rad) {
+  double gap_rad = std::numeric_limits<double>::infinity();
+  for (std::size_t beam = 1; beam < centres_rad.size(); ++beam)
+    gap_rad = std::min(gap_rad, std::abs(centres_rad[beam] - centres_rad[beam - 1]));
+  return gap_rad;
+}
 
 // Weights of each beam for the noise directions, numbered along a coordinate in which all beams have one
 // shape. `place` converts an azimuth to that coordinate; `field` is a beam's response at whole numbers of it.
 template <typename Place, typename Field>
-std::vector<Window> Windows(const std::vector<double>& centres_rad, const AzimuthResponse<double>& response,
-                            const Place& place, const Field& field) {
-  std::vector<Window> windows;
+std::vector<ResponseWindow> Windows(const std::vector<double>& centres_rad,
+                                    const AzimuthResponse<double>& response, const Place& place,
+                                    const Field& field) {
+  std::vector<ResponseWindow> windows;
   for (const double centre_rad : centres_rad) {
     const auto [lowest_rad, highest_rad] = AzimuthReachRad(response, centre_rad, kCutDb);
-    Window window{.first = std::floor(place(lowest_rad)), .weight = {}};
-    const double last = std::ceil(place(highest_rad));
+    const int first = static_cast<int>(std::floor(place(lowest_rad)));
+    const int last = static_cast<int>(std::ceil(place(highest_rad)));
+    ResponseWindow window{.first = first, .weight = {}};
     double squares = 0.0;
-    for (double source = window.first; source <= last; ++source) {
+    for (int source = first; source <= last; ++source) {
       window.weight.push_back(field(source, centre_rad));
       squares += window.weight.back() * window.weight.back();
     }
@@ -36,23 +43,6 @@ std::vector<Window> Windows(const std::vector<double>& centres_rad, const Azimut
     windows.push_back(std::move(window));
   }
   return windows;
-}
-
-// Numbers the directions from 0 on, without those that no beam receives.
-std::vector<ResponseWindow> Numbered(const std::vector<Window>& windows) {
-  std::vector<std::size_t> order(windows.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, {}, [&](std::size_t beam) { return windows[beam].first; });
-  std::vector<ResponseWindow> numbered(windows.size());
-  double end = windows[order.front()].first;  // of the directions of the beams before
-  double unused = end;                        // directions before
-  for (const std::size_t beam : order) {
-    const auto& [first, weight] = windows[beam];
-    unused += std::max(0.0, first - end);
-    end = std::max(end, first + static_cast<double>(weight.size()));
-    numbered[beam] = {.first = static_cast<int>(first - unused), .weight = weight};
-  }
-  return numbered;
 }
 
 }  // namespace
@@ -63,24 +53,28 @@ BeamNoise::BeamNoise(const SonarModel& sonar, const ParameterSet& parameters)
   const AzimuthShape<double> shape = AzimuthShapeOf(sonar, parameters);
   const AzimuthResponse<double> response(shape);
   const std::vector<double>& centres_rad = sonar.axes.beam_azimuth_rad;
+  const double width_rad = shape.pattern == AzimuthPattern::kTable ? shape.beam_spacing_rad : shape.width_rad;
+  if (width_rad < kSharesNoise * SmallestGapRad(centres_rad)) return;
   if (shape.pattern == AzimuthPattern::kAperture) {
     const double length = response.aperture_wavelengths();
-    weights_ = Numbered(Windows(
+    weights_ = Windows(
         centres_rad, response, [&](double azimuth_rad) { return length * std::sin(azimuth_rad); },
-        [&](double source, double centre_rad) {
+        [&](int source, double centre_rad) {
           return ApertureField(source - length * std::sin(centre_rad), shape.taper);
-        }));
+        });
   } else {
-    const double width_rad =
-        shape.pattern == AzimuthPattern::kTable ? shape.beam_spacing_rad : shape.width_rad;
     const double step_rad = width_rad / kSourcesPerWidth;
-    weights_ = Numbered(Windows(
+    weights_ = Windows(
         centres_rad, response, [&](double azimuth_rad) { return azimuth_rad / step_rad; },
-        [&](double source, double centre_rad) { return response.Field(source * step_rad, centre_rad); }));
+        [&](int source, double centre_rad) { return response.Field(source * step_rad, centre_rad); });
   }
+  int first = weights_.front().first;
+  for (const ResponseWindow& window : weights_) first = std::min(first, window.first);
   sources_ = 0;
-  for (const ResponseWindow& window : weights_)
+  for (ResponseWindow& window : weights_) {
+    window.first -= first;
     sources_ = std::max(sources_, window.first + static_cast<int>(window.weight.size()));
+  }
 }
 
 void BeamNoise::Draw(const CounterRandom& random, int bin, std::span<std::complex<double>> beams) const {

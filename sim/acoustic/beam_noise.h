@@ -30,7 +30,7 @@ class BeamNoise {
 
  private:
   int sources_ = 0;  // independent numbers per bin
-  // weights of each beam for the sources, squares sum to 1; lens: empty
+  // weights of each beam for the sources, squares sum to 1; independent beams: empty
   std::vector<ResponseWindow> weights_;
 };
 

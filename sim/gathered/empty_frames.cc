@@ -49,8 +49,7 @@ std::string WhyEmpty(const Simulator& simulator, const std::vector<Pose>& world_
   const Eigen::Vector3d& at = pose.position_m;
   return fmt::format(
       "no ray hits the scene within {:g} .. {:g} m. In frame {} the sonar is at ({:.4g}, {:.4g}, {:.4g}) m, "
-      "the "
-      "scene spans ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m: {}",
+      "the scene spans ({:.4g}, {:.4g}, {:.4g}) .. ({:.4g}, {:.4g}, {:.4g}) m: {}",
       axes.range_min_m, axes.range_max_m, frame, at.x(), at.y(), at.z(), box.min().x(), box.min().y(),
       box.min().z(), box.max().x(), box.max().y(), box.max().z(), LikelyReason(axes, box, pose));
 }
