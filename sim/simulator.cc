@@ -57,7 +57,7 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
   if (parameters.mirrors.empty()) return nullptr;
   const std::vector<char> reflects = ReflectingMaterials(caster_->material_names(), parameters);
   if (std::count(reflects.begin(), reflects.end(), 1) == 0) return nullptr;
-  const std::scoped_lock lock(mirrors_mutex_);
+  const std::scoped_lock lock(shared_mutex_);
   const double end_deg = parameters.beam.transmit_end_deg;
   RayFanOptions decimated = options_.fan;
   decimated.cols = std::max(1, decimated.cols / ray_decimation);
@@ -71,6 +71,20 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
                                                       RayFan(sonar_, rays)});
   }
   return mirrors;
+}
+
+// Frames follow each other with the same parameters, so those of the last call are kept. They are made without
+// the lock, because a thread that waits for others may render another frame meanwhile.
+std::shared_ptr<const ExpectedFrames> Simulator::ExpectedFramesOf(const ParameterSet& parameters) const {
+  {
+    const std::scoped_lock lock(shared_mutex_);
+    if (expected_frames_ && expected_frames_->parameters() == parameters) return expected_frames_;
+  }
+  auto made = std::make_shared<const ExpectedFrames>(
+      *caster_, fan_, AcousticGeometry{sonar_, absorption_db_per_m_}, parameters, options_.trace);
+  const std::scoped_lock lock(shared_mutex_);
+  expected_frames_ = made;
+  return made;
 }
 
 GhostList Simulator::TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters,
@@ -122,9 +136,10 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
       AddGhosts(ghosts, geometry, parameters, scatter);
       image = RenderScatter(scatter, parameters, seeds);
     } else {
-      PulsedMap pulsed = PulsedFrom(*caster_, fan_, world_from_sonar, geometry, parameters, options_.trace);
+      const std::shared_ptr<const ExpectedFrames> frames = ExpectedFramesOf(parameters);
+      PulsedMap pulsed = frames->Pulsed(world_from_sonar);
       AddGhosts(ghosts, geometry, parameters, pulsed);
-      image = ExpectedDisplay(ExpectedPower(pulsed, geometry, parameters), parameters, options_.full_scale());
+      image = frames->Displayed(pulsed, options_.full_scale());
     }
     QuantiseImage(image);
     return image;

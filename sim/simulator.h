@@ -18,6 +18,7 @@
 #include "core/types/parameters.h"
 #include "core/types/pings.h"
 #include "sim/acoustic/acoustic_image.h"
+#include "sim/acoustic/expected_frames.h"
 #include "sim/coherent/coherent_image.h"
 #include "sim/ghosts/ghost_trace.h"
 #include "sim/paper/expected_paper_image.h"
@@ -116,6 +117,7 @@ class Simulator {
  private:
   struct Mirrors;
   std::shared_ptr<const Mirrors> MirrorsOf(const ParameterSet& parameters, int ray_decimation = 1) const;
+  std::shared_ptr<const ExpectedFrames> ExpectedFramesOf(const ParameterSet& parameters) const;
   PaperImageOptions PaperOptions(std::uint64_t seed) const;
   PolarImage RenderScatter(const ScatterMap& scatter, const ParameterSet& parameters,
                            const DrawSeeds& seeds) const;
@@ -129,9 +131,10 @@ class Simulator {
   std::shared_ptr<const RayCaster> caster_;
   RayFan fan_;
   double absorption_db_per_m_;
-  mutable std::mutex mirrors_mutex_;
-  mutable std::map<int, std::shared_ptr<const Mirrors>>
-      mirrors_;  // by `ray_decimation`, for the materials of the last call
+  // What the calls share, made by the last one that needed something else.
+  mutable std::mutex shared_mutex_;
+  mutable std::map<int, std::shared_ptr<const Mirrors>> mirrors_;  // by `ray_decimation`
+  mutable std::shared_ptr<const ExpectedFrames> expected_frames_;
 };
 
 }  // namespace sonarcal::sim

@@ -91,20 +91,23 @@ class BlockMap {
   std::vector<float> power_;  // one more row before the first and after the last
 };
 
-// Calls of_block(block, map, factor) for each block of columns, on all cores.
+PatchShader ShaderOf(const RayFan& fan, const AcousticGeometry& geometry, const ParameterSet& parameters,
+                     const std::vector<std::string>& material_names) {
+  SONARCAL_CHECK(fan.sampling() == Sampling::kBeams, "a pinhole's rays are shaded one at a time");
+  return {fan, EchoPowerModel(geometry, parameters, material_names),
+          ElevationWidthDeg(geometry.sonar, parameters.beam)};
+}
+
+// Calls of_block(block, map) for each block of columns, on all cores.
 template <typename OfBlock>
 void CastBlocks(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
-                const AcousticGeometry& geometry, const ParameterSet& parameters, const FineRows& rows,
+                const PolarAxes& axes, const PatchShader& shader, const FineRows& rows,
                 const OfBlock& of_block) {
-  SONARCAL_CHECK(fan.sampling() == Sampling::kBeams, "a pinhole's rays are shaded one at a time");
-  const PolarAxes& axes = geometry.sonar.axes;
-  const PatchShader shader(fan, EchoPowerModel(geometry, parameters, caster.material_names()),
-                           ElevationWidthDeg(geometry.sonar, parameters.beam));
   tbb::enumerable_thread_specific<BlockMap> locals([&] { return BlockMap(fan, shader, rows, axes); });
   caster.CastColumns(fan, world_from_sonar, axes.range_max_m, [&](const RayCaster::ColumnBlock& block) {
     BlockMap& map = locals.local();
     map.Cast(block);
-    of_block(block, map, shader.factor());
+    of_block(block, map);
   });
 }
 
@@ -120,30 +123,40 @@ void WeighRows(const BlockMap& map, const std::vector<float>& weight, int first_
 ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                           const AcousticGeometry& geometry, const ParameterSet& parameters) {
   ScatterMap scatter = EmptyScatterMap(fan, geometry, parameters);
-  CastBlocks(caster, fan, world_from_sonar, geometry, parameters, scatter.RowsOf(geometry.sonar.axes),
-             [&](const RayCaster::ColumnBlock& block, const BlockMap& map, double factor) {
+  const PolarAxes& axes = geometry.sonar.axes;
+  const PatchShader shader = ShaderOf(fan, geometry, parameters, caster.material_names());
+  CastBlocks(caster, fan, world_from_sonar, axes, shader, scatter.RowsOf(axes),
+             [&](const RayCaster::ColumnBlock& block, const BlockMap& map) {
                for (int row = 0; row < map.rows(); ++row) {
                  const float* power = map.Row(row);
                  for (int i = 0; i < block.cols; ++i)
-                   scatter.power(row, block.first_col + i) = factor * power[i];
+                   scatter.power(row, block.first_col + i) = shader.factor() * power[i];
                }
              });
   return scatter;
 }
 
-PulsedMap CastPulsedMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
-                        const AcousticGeometry& geometry, const ParameterSet& parameters) {
-  const PolarAxes& axes = geometry.sonar.axes;
-  const int steps = RangeStepsFor(geometry.sonar, parameters);
-  const ResponseWindow pulse = PulseWindow(geometry.sonar, parameters, steps, ResponseOf::kPower);
-  const std::vector<float> weight(pulse.weight.begin(), pulse.weight.end());
-  PulsedMap pulsed{Grid<double>(axes.range_bins, fan.cols()), ColumnAzimuthsRad(fan)};
-  CastBlocks(caster, fan, world_from_sonar, geometry, parameters,
-             FineRows(axes, steps, PulseLengthM(geometry.sonar, parameters)),
-             [&](const RayCaster::ColumnBlock& block, const BlockMap& map, double factor) {
+PulsedCaster::PulsedCaster(const RayFan& fan, const AcousticGeometry& geometry,
+                           const ParameterSet& parameters, const std::vector<std::string>& material_names)
+    : fan_(fan),
+      sonar_(geometry.sonar),
+      shader_(ShaderOf(fan, geometry, parameters, material_names)),
+      rows_(sonar_.axes, RangeStepsFor(sonar_, parameters), PulseLengthM(sonar_, parameters)),
+      steps_(RangeStepsFor(sonar_, parameters)) {
+  const ResponseWindow pulse = PulseWindow(sonar_, parameters, steps_, ResponseOf::kPower);
+  first_row_ = pulse.first;
+  pulse_.assign(pulse.weight.begin(), pulse.weight.end());
+}
+
+PulsedMap PulsedCaster::Cast(const RayCaster& caster, const Pose& world_from_sonar) const {
+  const PolarAxes& axes = sonar_.axes;
+  const auto factor = static_cast<float>(shader_.factor());
+  PulsedMap pulsed{Grid<float>(axes.range_bins, fan_.cols()), ColumnAzimuthsRad(fan_)};
+  CastBlocks(caster, fan_, world_from_sonar, axes, shader_, rows_,
+             [&](const RayCaster::ColumnBlock& block, const BlockMap& map) {
                for (int bin = 0; bin < axes.range_bins; ++bin) {
                  std::array<float, kBlockCols> sums = {};
-                 WeighRows(map, weight, bin * steps + pulse.first, sums.data());
+                 WeighRows(map, pulse_, bin * steps_ + first_row_, sums.data());
                  for (int i = 0; i < block.cols; ++i)
                    pulsed.power(bin, block.first_col + i) = factor * sums[i];
                }
@@ -158,14 +171,6 @@ ScatterMap ScatterFrom(const RayCaster& caster, const RayFan& fan, const Pose& w
     return CastScatterMap(caster, fan, world_from_sonar, geometry, parameters);
   return MakeScatterMap(Trace(caster, fan, world_from_sonar, geometry.sonar.axes, options), fan, geometry,
                         parameters);
-}
-
-PulsedMap PulsedFrom(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
-                     const AcousticGeometry& geometry, const ParameterSet& parameters,
-                     const TraceOptions& options) {
-  if (CastsInOnePass(fan, options)) return CastPulsedMap(caster, fan, world_from_sonar, geometry, parameters);
-  return ThroughPulse(ScatterFrom(caster, fan, world_from_sonar, geometry, parameters, options), geometry,
-                      parameters);
 }
 
 }  // namespace sonarcal::sim

@@ -3,7 +3,11 @@
 // stated there.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "sim/acoustic/acoustic_image.h"
+#include "sim/acoustic/patch_shader.h"
 #include "sim/rays/ray_caster.h"
 
 namespace sonarcal::sim {
@@ -13,12 +17,27 @@ namespace sonarcal::sim {
 ScatterMap CastScatterMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                           const AcousticGeometry& geometry, const ParameterSet& parameters);
 
-// ThroughPulse(CastScatterMap(...)) to single precision, at a lower cost: the map of a block of columns stays
-// in the processor's cache.
-PulsedMap CastPulsedMap(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
-                        const AcousticGeometry& geometry, const ParameterSet& parameters);
+// Maps ThroughPulse(CastScatterMap(...)) of many poses to single precision, at a lower cost: tables are made
+// once, and the map of a block of columns stays in the processor's cache.
+class PulsedCaster {
+ public:
+  // The fan has the sampling `beams`. Fan and sonar must outlive this.
+  PulsedCaster(const RayFan& fan, const AcousticGeometry& geometry, const ParameterSet& parameters,
+               const std::vector<std::string>& material_names);
 
-// True if CastScatterMap and CastPulsedMap support these rays and normals.
+  PulsedMap Cast(const RayCaster& caster, const Pose& world_from_sonar) const;
+
+ private:
+  const RayFan& fan_;
+  const SonarModel& sonar_;
+  PatchShader shader_;
+  FineRows rows_;
+  int steps_;                 // fine rows per range bin
+  int first_row_;             // of the pulse, relative to the bin's own first row
+  std::vector<float> pulse_;  // weights of fine rows
+};
+
+// True if CastScatterMap and PulsedCaster support these rays and normals.
 inline bool CastsInOnePass(const RayFan& fan, const TraceOptions& options) {
   return fan.sampling() == Sampling::kBeams && options.normals == NormalSource::kGeometric;
 }
@@ -27,10 +46,5 @@ inline bool CastsInOnePass(const RayFan& fan, const TraceOptions& options) {
 ScatterMap ScatterFrom(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                        const AcousticGeometry& geometry, const ParameterSet& parameters,
                        const TraceOptions& options);
-
-// As ScatterFrom, through the pulse.
-PulsedMap PulsedFrom(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
-                     const AcousticGeometry& geometry, const ParameterSet& parameters,
-                     const TraceOptions& options);
 
 }  // namespace sonarcal::sim

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/math/random.h"
+#include "sim/acoustic/azimuth_filter.h"
 #include "sim/acoustic/beam_noise.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/receiver.h"
@@ -23,17 +24,17 @@
 namespace sonarcal::sim {
 namespace {
 
-bool IsSilent(std::span<const double> values) {
-  return std::all_of(values.begin(), values.end(), [](double value) { return value == 0.0; });
-}
-
 // Filters `fine` (fine rows x columns) along range, of power or of a part of the field, to bins x columns.
 Grid<double> AlongRange(const Grid<double>& fine, int range_bins, int range_steps,
                         const ResponseWindow& pulse) {
   constexpr int kBins = 8;
   constexpr int kCols = 256;  // of that many bins and columns the fine rows stay in the cache
   std::vector<char> silent(fine.rows());
-  for (int row = 0; row < fine.rows(); ++row) silent[row] = IsSilent(fine.row(row)) ? 1 : 0;
+  for (int row = 0; row < fine.rows(); ++row) {
+    const auto values = fine.row(row);
+    silent[row] =
+        std::all_of(values.begin(), values.end(), [](double value) { return value == 0.0; }) ? 1 : 0;
+  }
   Grid<double> out(range_bins, fine.cols());
   tbb::parallel_for(tbb::blocked_range<int>(0, range_bins, kBins), [&](const tbb::blocked_range<int>& bins) {
     for (int col = 0; col < fine.cols(); col += kCols) {
@@ -43,65 +44,6 @@ Grid<double> AlongRange(const Grid<double>& fine, int range_bins, int range_step
           const int row = bin * range_steps + pulse.first + static_cast<int>(i);
           if (row < 0 || row >= fine.rows() || silent[row] != 0) continue;
           row_math::AddScaled(pulse.weight[i], &fine(row, col), cols, &out(bin, col));
-        }
-      }
-    }
-  });
-  return out;
-}
-
-// Weights of two neighbouring beams for the same columns, and sums of kDots rows by them.
-struct BeamPair {
-  int first_col = 0;
-  std::vector<double> weight[2];
-
-  BeamPair(const ResponseWindow& one, const ResponseWindow& other)
-      : first_col(std::min(one.first, other.first)) {
-    const auto end = [](const ResponseWindow& window) {
-      return static_cast<std::size_t>(window.first) + window.weight.size();
-    };
-    const std::size_t cols = std::max(end(one), end(other)) - first_col;
-    for (const auto& [window, to] : {std::pair(&one, &weight[0]), std::pair(&other, &weight[1])}) {
-      to->resize(cols);
-      std::copy(window->weight.begin(), window->weight.end(), to->begin() + (window->first - first_col));
-    }
-  }
-
-  void Sums(const double* const* rows, double* sums) const {
-    const double* const weights[] = {weight[0].data(), weight[1].data()};
-    row_math::Dots(weights, rows, static_cast<int>(weight[0].size()), sums);
-  }
-};
-
-// Filters bins x columns along azimuth to bins x beams. A few bins and two beams at a time, because they
-// share their loads.
-Grid<double> AlongAzimuth(const Grid<double>& in_bins, const std::vector<ResponseWindow>& azimuth) {
-  constexpr int kTogether = row_math::kDots;
-  const int beams = static_cast<int>(azimuth.size());
-  std::vector<BeamPair> pairs;
-  for (int beam = 0; beam < beams; beam += 2)
-    pairs.emplace_back(azimuth[beam], azimuth[std::min(beam + 1, beams - 1)]);
-  Grid<double> out(in_bins.rows(), beams);
-  const int groups = (in_bins.rows() + kTogether - 1) / kTogether;
-  tbb::parallel_for(tbb::blocked_range<int>(0, groups, 2), [&](const tbb::blocked_range<int>& range) {
-    for (int first = range.begin() * kTogether; first < range.end() * kTogether; first += kTogether) {
-      const int last = std::min(first + kTogether, in_bins.rows()) - 1;
-      std::array<const double*, kTogether> rows;
-      bool silent = true;
-      for (int k = 0; k < kTogether; ++k) {
-        const auto row = in_bins.row(std::min(first + k, last));
-        rows[k] = row.data();
-        silent = silent && IsSilent(row);
-      }
-      if (silent) continue;
-      for (int pair = 0; pair < static_cast<int>(pairs.size()); ++pair) {
-        std::array<const double*, kTogether> from;
-        for (int k = 0; k < kTogether; ++k) from[k] = rows[k] + pairs[pair].first_col;
-        std::array<double, 2 * kTogether> sums;
-        pairs[pair].Sums(from.data(), sums.data());
-        for (int beam = 2 * pair; beam < std::min(2 * pair + 2, beams); ++beam) {
-          const int of_beam = (beam - 2 * pair) * kTogether;
-          for (int bin = first; bin <= last; ++bin) out(bin, beam) = sums[of_beam + bin - first];
         }
       }
     }
@@ -122,14 +64,14 @@ class FieldResponses {
 
   // Field received, bins x beams, of the real or of the imaginary part of a field, fine rows x columns.
   Grid<double> Received(const Grid<double>& part) const {
-    return AlongAzimuth(AlongRange(part, range_bins_, range_steps_, pulse_), azimuth_);
+    return azimuth_.Filter(AlongRange(part, range_bins_, range_steps_, pulse_));
   }
 
  private:
   int range_bins_;
   int range_steps_;
   ResponseWindow pulse_;
-  std::vector<ResponseWindow> azimuth_;
+  AzimuthFilter<double> azimuth_;
 };
 
 // Random number of each patch of a map, and the phase that its path adds.
@@ -228,13 +170,7 @@ struct ScatteredField {
 template <typename Value>
 PolarImage Displayed(const Grid<double>& power, const PolarAxes& axes, const ParameterSet& parameters,
                      double full_scale, const Value& value) {
-  PolarImage image{axes,
-                   {.quantity = Quantity::kGrey,
-                    .full_scale = full_scale,
-                    .db_min = parameters.display.db_min,
-                    .db_max = parameters.display.db_max,
-                    .db_span = {}},
-                   Grid<float>(power.rows(), power.cols())};
+  PolarImage image{axes, GreyScale(parameters.display, full_scale), Grid<float>(power.rows(), power.cols())};
   tbb::parallel_for(tbb::blocked_range<int>(0, power.rows(), 32), [&](const tbb::blocked_range<int>& rows) {
     for (int row = rows.begin(); row != rows.end(); ++row) {
       std::transform(power.row(row).begin(), power.row(row).end(), image.value.row(row).begin(),
@@ -250,6 +186,14 @@ auto AsShown(const DisplayParameters<double>& display) {
 }
 
 }  // namespace
+
+ImageScale GreyScale(const DisplayParameters<double>& display, double full_scale) {
+  return {.quantity = Quantity::kGrey,
+          .full_scale = full_scale,
+          .db_min = display.db_min,
+          .db_max = display.db_max,
+          .db_span = {}};
+}
 
 std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters) {
   std::vector<double> gain;
@@ -330,23 +274,17 @@ ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const Acous
   return scatter;
 }
 
-PulsedMap ThroughPulse(const ScatterMap& scatter, const AcousticGeometry& geometry,
-                       const ParameterSet& parameters) {
-  return {AlongRange(scatter.power, geometry.sonar.axes.range_bins, scatter.range_steps,
-                     PulseWindow(geometry.sonar, parameters, scatter.range_steps, ResponseOf::kPower)),
-          scatter.column_azimuth_rad};
+Grid<double> ThroughPulse(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters) {
+  return AlongRange(scatter.power, geometry.sonar.axes.range_bins, scatter.range_steps,
+                    PulseWindow(geometry.sonar, parameters, scatter.range_steps, ResponseOf::kPower));
 }
 
 Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
                             const ParameterSet& parameters) {
-  return EchoPowerImage(ThroughPulse(scatter, geometry, parameters), geometry, parameters);
-}
-
-Grid<double> EchoPowerImage(const PulsedMap& pulsed, const AcousticGeometry& geometry,
-                            const ParameterSet& parameters) {
-  Grid<double> power =
-      AlongAzimuth(pulsed.power,
-                   AzimuthWindows(geometry.sonar, parameters, pulsed.column_azimuth_rad, ResponseOf::kPower));
+  const AzimuthFilter<double> azimuth(
+      AzimuthWindows(geometry.sonar, parameters, scatter.column_azimuth_rad, ResponseOf::kPower));
+  Grid<double> power = azimuth.Filter(ThroughPulse(scatter, geometry, parameters));
   const std::vector<double> gain = GainByBin(geometry, parameters);
   for (int bin = 0; bin < power.rows(); ++bin) {
     for (double& value : power.row(bin)) value *= gain[bin];
@@ -372,12 +310,7 @@ PolarImage PowerImage(const PolarAxes& axes, const Grid<double>& power) {
 
 PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
                          const ParameterSet& parameters) {
-  return ExpectedPower(ThroughPulse(scatter, geometry, parameters), geometry, parameters);
-}
-
-PolarImage ExpectedPower(const PulsedMap& pulsed, const AcousticGeometry& geometry,
-                         const ParameterSet& parameters) {
-  Grid<double> power = EchoPowerImage(pulsed, geometry, parameters);
+  Grid<double> power = EchoPowerImage(scatter, geometry, parameters);
   AddNoiseFloor(geometry, parameters, power);
   return PowerImage(geometry.sonar.axes, power);
 }

@@ -48,11 +48,14 @@ struct ScatterMap {
   }
 };
 
-// Power of a ScatterMap through the pulse: range_bins x columns of the ray fan.
+// Power through the pulse, in single precision: range_bins x columns of the ray fan.
 struct PulsedMap {
-  Grid<double> power;
+  Grid<float> power;
   std::vector<double> column_azimuth_rad;
 };
+
+// Scale of an image of grey levels by a display.
+ImageScale GreyScale(const DisplayParameters<double>& display, double full_scale);
 
 // Time-varying gain of each range bin, a factor on power.
 std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters);
@@ -72,12 +75,11 @@ std::vector<double> ColumnAzimuthsRad(const RayFan& fan);
 ScatterMap MakeScatterMap(const EchoList& echoes, const RayFan& fan, const AcousticGeometry& geometry,
                           const ParameterSet& parameters);
 
-PulsedMap ThroughPulse(const ScatterMap& scatter, const AcousticGeometry& geometry,
-                       const ParameterSet& parameters);
+// Power of a ScatterMap through the pulse: range_bins x columns of the ray fan.
+Grid<double> ThroughPulse(const ScatterMap& scatter, const AcousticGeometry& geometry,
+                          const ParameterSet& parameters);
 
 // Mean power of the echoes, range_bins x beams: P without N, time-varying gain included.
-Grid<double> EchoPowerImage(const PulsedMap& pulsed, const AcousticGeometry& geometry,
-                            const ParameterSet& parameters);
 Grid<double> EchoPowerImage(const ScatterMap& scatter, const AcousticGeometry& geometry,
                             const ParameterSet& parameters);
 
@@ -88,8 +90,6 @@ void AddNoiseFloor(const AcousticGeometry& geometry, const ParameterSet& paramet
 PolarImage PowerImage(const PolarAxes& axes, const Grid<double>& power);
 
 // P(r, b), range_bins x beams; Quantity::kPower.
-PolarImage ExpectedPower(const PulsedMap& pulsed, const AcousticGeometry& geometry,
-                         const ParameterSet& parameters);
 PolarImage ExpectedPower(const ScatterMap& scatter, const AcousticGeometry& geometry,
                          const ParameterSet& parameters);
 

@@ -103,10 +103,28 @@ PatchShader::PatchShader(const RayFan& fan, const EchoPowerModel& model, double 
              (2.0 * kSlopeStepRad);
     });
   }
+  for (int row = 0; row < fan.rows(); ++row) row_curve_.push_back(CurveOf(row));
   for (int col = 0; col < fan.cols(); ++col) {
     width_rad_.push_back(static_cast<float>(fan.ColumnWidthRad(col)));
     elevation_offset_.push_back(fan.ElevationOffset(col));
   }
+}
+
+PatchShader::RowCurve PatchShader::CurveOf(int row) const {
+  constexpr float kMaxError = 1e-4F;  // relative
+  const auto middle = static_cast<float>((fan_.RowElevationRad(row) - lowest_rad_) / span_rad_);
+  const auto height = static_cast<float>(fan_.RowHeightRad(row) / span_rad_);
+  const auto at = [&](float offset) { return At(elevation_, elevation_steps_, middle + offset * height); };
+  const float a = at(0.0F);
+  const float b = at(0.5F) - at(-0.5F);
+  const float c = 2.0F * (at(0.5F) + at(-0.5F) - 2.0F * a);
+  bool holds = true;
+  for (const float offset : {-0.375F, -0.25F, -0.125F, 0.125F, 0.25F, 0.375F}) {
+    const float exact = at(offset);
+    holds = holds && std::abs(a + offset * (b + offset * c) - exact) <= kMaxError * exact;
+  }
+  const auto scale = static_cast<float>(fan_.RowHeight(row));
+  return {holds, scale * a, scale * b, scale * c};
 }
 
 void PatchShader::Shade(const RowHits& hits, Buffers& of) const {
@@ -114,13 +132,18 @@ void PatchShader::Shade(const RowHits& hits, Buffers& of) const {
   const int cols = hits.col[hits.count - 1] + 1 - first_col;
   of.of_columns.resize(cols);
   of.power.resize(hits.count);
-  row_math::ElevationWeights({elevation_.data(), elevation_steps_},
-                             static_cast<float>((fan_.RowElevationRad(hits.row) - lowest_rad_) / span_rad_),
-                             static_cast<float>(fan_.RowHeightRad(hits.row) / span_rad_),
-                             elevation_offset_.data() + first_col, width_rad_.data() + first_col, cols,
-                             of.of_columns.data());
-  const auto height = static_cast<float>(fan_.RowHeight(hits.row));
-  for (float& of_column : of.of_columns) of_column *= height;
+  const float* offset = elevation_offset_.data() + first_col;
+  const float* width = width_rad_.data() + first_col;
+  if (const RowCurve& curve = row_curve_[hits.row]; curve.holds) {
+    row_math::QuadraticWeights(curve.a, curve.b, curve.c, offset, width, cols, of.of_columns.data());
+  } else {
+    row_math::ElevationWeights({elevation_.data(), elevation_steps_},
+                               static_cast<float>((fan_.RowElevationRad(hits.row) - lowest_rad_) / span_rad_),
+                               static_cast<float>(fan_.RowHeightRad(hits.row) / span_rad_), offset, width,
+                               cols, of.of_columns.data());
+    const auto height = static_cast<float>(fan_.RowHeight(hits.row));
+    for (float& of_column : of.of_columns) of_column *= height;
+  }
   const float* weight = of.of_columns.data();
   if (hits.count < cols) {
     of.weight.resize(hits.count);

@@ -41,6 +41,15 @@ class PatchShader {
   Patch Shade(int row, int col, int material, float range_m, float half_tangent) const;
 
  private:
+  // Elevation weight of a row, a + b o + c o^2 at elevation offset o, times the height of the row.
+  struct RowCurve {
+    bool holds = false;  // over the whole row; otherwise only the table does
+    float a = 0.0F;
+    float b = 0.0F;
+    float c = 0.0F;
+  };
+  RowCurve CurveOf(int row) const;
+
   const RayFan& fan_;
   float loss_per_m_;
   double factor_;
@@ -50,6 +59,7 @@ class PatchShader {
   std::vector<float> elevation_;  // beam response times cosine, from the lowest elevation up
   std::vector<float> elevation_slopes_;
   int elevation_steps_ = 0;
+  std::vector<RowCurve> row_curve_;
   double lowest_rad_ = 0.0;
   double span_rad_ = 0.0;
   std::vector<float> width_rad_;

@@ -87,7 +87,9 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
 }
 
 void QuantiseImage(PolarImage& image) {
-  for (float& value : image.value.values()) value = std::round(value);
+  // std::round by a conversion, which the compiler makes vectors of. Values are at least 0.
+  for (float& value : image.value.values())
+    value = static_cast<float>(static_cast<std::int32_t>(double{value} + 0.5));
 }
 
 }  // namespace sonarcal::sim

@@ -33,15 +33,23 @@ constexpr int LaneOf(int row, int col) {
 
 }  // namespace
 
-// Directions of the rows of a tile, padded to whole tiles.
+// Directions of the rows of a tile, padded to whole tiles, and the packet of a tile.
 struct RayCaster::RowBuffers {
-  explicit RowBuffers(int cols) {
+  RowBuffers(int cols, const Eigen::Vector3f& origin) {
     for (auto& of_row : direction) {
       for (std::vector<float>& component : of_row)
         component.resize(static_cast<std::size_t>(cols + kTileCols), 0.0F);
     }
+    std::fill_n(packet.ray.org_x, kPacket, origin.x());
+    std::fill_n(packet.ray.org_y, kPacket, origin.y());
+    std::fill_n(packet.ray.org_z, kPacket, origin.z());
+    std::fill_n(packet.ray.mask, kPacket, ~0U);
+    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
   }
+
   std::array<std::array<std::vector<float>, 3>, kTileRows> direction;
+  embree::Query query{true};
+  alignas(32) Packet packet = {};
 };
 
 namespace {
@@ -49,6 +57,11 @@ namespace {
 bool AnyHit(const Packet& packet) {
   return std::any_of(packet.hit.geomID, packet.hit.geomID + kPacket,
                      [](unsigned id) { return id != RTC_INVALID_GEOMETRY_ID; });
+}
+
+bool AllHit(const Packet& packet, int first_lane) {
+  const unsigned* ids = packet.hit.geomID + first_lane;
+  return std::none_of(ids, ids + kTileCols, [](unsigned id) { return id == RTC_INVALID_GEOMETRY_ID; });
 }
 
 // Hits of a row, one tile after the other.
@@ -66,6 +79,14 @@ class HitsOfRow {
   // and overwritten by the next ray, which avoids a branch.
   void Add(int first, int count, int lane, const Packet& packet, const float* half_tangent,
            const std::vector<std::uint16_t>& materials) {
+    if (count == kTileCols && AllHit(packet, lane)) {
+      for (int i = 0; i < kTileCols; ++i) col_[count_ + i] = first + i;
+      std::copy_n(&packet.ray.tfar[lane], kTileCols, &range_m_[count_]);
+      std::copy_n(&half_tangent[lane], kTileCols, &half_tangent_[count_]);
+      for (int i = 0; i < kTileCols; ++i) material_[count_ + i] = materials[packet.hit.primID[lane + i]];
+      count_ += kTileCols;
+      return;
+    }
     for (int i = 0; i < count; ++i, ++lane) {
       const bool hit = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
       col_[count_] = first + i;
@@ -177,14 +198,8 @@ void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, 
     casting.fan.RowDirections(row + r, casting.first_col, casting.cols, casting.rotation, direction[0].data(),
                               direction[1].data(), direction[2].data());
   }
-  embree::Query query(true);
-  alignas(32) Packet packet = {};
+  Packet& packet = buffers.packet;
   alignas(32) int valid[kPacket];
-  std::fill_n(packet.ray.org_x, kPacket, casting.origin.x());
-  std::fill_n(packet.ray.org_y, kPacket, casting.origin.y());
-  std::fill_n(packet.ray.org_z, kPacket, casting.origin.z());
-  std::fill_n(packet.ray.mask, kPacket, ~0U);
-  std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
   const auto set_valid = [&](int cols) {
     for (int lane = 0; lane < kPacket; ++lane)
       valid[lane] = lane / kTileCols < rows && lane % kTileCols < cols ? -1 : 0;
@@ -202,7 +217,7 @@ void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, 
     }
     std::fill_n(packet.ray.tfar, kPacket, casting.max_range_m);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-    query.Intersect8(valid, embree_->scene, &packet);
+    buffers.query.Intersect8(valid, embree_->scene, &packet);
     met(casting.first_col + at, count, packet);
   }
 }
@@ -223,7 +238,7 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
   hits.triangle.assign(fan.size(), -1);
   const Casting casting(fan, world_from_sonar, max_range_m);
   ForRows(fan, [&](int begin, int end) {
-    RowBuffers buffers(fan.cols());
+    RowBuffers buffers(fan.cols(), casting.origin);
     for (int row = begin; row < end; row += kTileRows) {
       CastTiles(casting, row, buffers, [&](int first, int count, const Packet& packet) {
         for (int r = 0; r < std::min(kTileRows, end - row); ++r) {
@@ -245,7 +260,7 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
 // Passes the hits of rows begin .. end - 1 to `take`, row by row.
 void RayCaster::CastRowsOf(const Casting& casting, int begin, int end,
                            const std::function<void(const RowHits&)>& take) const {
-  RowBuffers buffers(casting.cols);
+  RowBuffers buffers(casting.cols, casting.origin);
   std::vector<HitsOfRow> hits(kTileRows, HitsOfRow(casting.cols));
   for (int row = begin; row < end; row += kTileRows) {
     for (HitsOfRow& of_row : hits) of_row.Clear();

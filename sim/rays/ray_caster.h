@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -36,8 +37,13 @@ struct RowHits {
 template <typename OfRun>
 void ForEachMaterial(const RowHits& hits, OfRun&& of_run) {
   for (int first = 0; first < hits.count;) {
-    int end = first + 1;
-    while (end < hits.count && hits.material[end] == hits.material[first]) ++end;
+    // Mostly one material to the end, which one comparison of the array with itself a place further shows.
+    const std::uint16_t* material = hits.material + first;
+    int end = hits.count;
+    if (std::memcmp(material, material + 1, (end - first - 1) * sizeof *material) != 0) {
+      end = first + 1;
+      while (end < hits.count && hits.material[end] == *material) ++end;
+    }
     of_run(first, end - first);
     first = end;
   }

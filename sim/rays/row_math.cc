@@ -69,43 +69,61 @@ double Dot(const double* __restrict a, const double* __restrict b, int count) {
   return sum;
 }
 
-SONARCAL_VECTOR_VERSIONS
-void Dots(const double* const* __restrict weight, const double* const* __restrict values, int count,
-          double* __restrict sums) {
-  // A vector type, because GCC otherwise makes vectors of the sums, whose values it has to gather.
-  constexpr int kLanes = 4;
-  using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-  const auto load = [](const double* from) {
-    Lanes lanes;
-    std::memcpy(&lanes, from, sizeof lanes);
-    return lanes;
-  };
-  const double* __restrict first = weight[0];
-  const double* __restrict second = weight[1];
-  const double* __restrict value[kDots] = {values[0], values[1], values[2], values[3]};
-  Lanes by_first[kDots] = {};
-  Lanes by_second[kDots] = {};
+namespace {
+
+using FourDoubles = double __attribute__((vector_size(32)));
+using EightFloats = float __attribute__((vector_size(32)));
+
+// A vector type, because GCC otherwise makes vectors of the sums, whose values it has to gather.
+template <typename Vector, typename T>
+__attribute__((always_inline)) inline void DotsOf(const T* const* __restrict weight,
+                                                  const T* const* __restrict values, int count,
+                                                  T* __restrict sums) {
+  constexpr int kInVector = sizeof(Vector) / sizeof(T);
+  const T* __restrict first = weight[0];
+  const T* __restrict second = weight[1];
+  Vector by_first[kDots] = {};
+  Vector by_second[kDots] = {};
   int i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    const Lanes a = load(first + i);
-    const Lanes b = load(second + i);
+  for (; i + kInVector <= count; i += kInVector) {
+    Vector a;
+    Vector b;
+    std::memcpy(&a, first + i, sizeof a);
+    std::memcpy(&b, second + i, sizeof b);
     for (int k = 0; k < kDots; ++k) {
-      const Lanes v = load(value[k] + i);
+      Vector v;
+      std::memcpy(&v, values[k] + i, sizeof v);
       by_first[k] += a * v;
       by_second[k] += b * v;
     }
   }
-  const auto total = [](const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); };
+  const auto total = [](const Vector& lanes) {
+    T sum = 0;
+    for (int lane = 0; lane < kInVector; ++lane) sum += lanes[lane];
+    return sum;
+  };
   for (int k = 0; k < kDots; ++k) {
-    double of_first = total(by_first[k]);
-    double of_second = total(by_second[k]);
+    T of_first = total(by_first[k]);
+    T of_second = total(by_second[k]);
     for (int rest = i; rest < count; ++rest) {
-      of_first += first[rest] * value[k][rest];
-      of_second += second[rest] * value[k][rest];
+      of_first += first[rest] * values[k][rest];
+      of_second += second[rest] * values[k][rest];
     }
     sums[k] = of_first;
     sums[kDots + k] = of_second;
   }
+}
+
+}  // namespace
+
+SONARCAL_VECTOR_VERSIONS
+void Dots(const double* const* weight, const double* const* values, int count, double* sums) {
+  DotsOf<FourDoubles>(weight, values, count, sums);
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Dots(const float* const* weight, const float* const* values, int count, float* sums) {
+  DotsOf<EightFloats>(weight, values, count, sums);
 }
 
 SONARCAL_VECTOR_VERSIONS
@@ -164,39 +182,65 @@ void Directions(const float* __restrict x, const float* __restrict y, float acro
 
 namespace {
 
-// Sine and cosine of an angle within half a radian, by the first terms of their series.
+// Sine and cosine of an angle by the first terms of their series, exact to single precision: all terms within
+// half a radian, two terms of each within kNarrowRad.
+enum class Terms { kAll, kTwo };
+constexpr float kNarrowRad = 0.02F;
+
+template <Terms kTerms>
 struct SmallTurn {
   explicit SmallTurn(float angle_rad) {
     const float square = angle_rad * angle_rad;
     // Factors rather than quotients, because the compiler may not turn a division into a multiplication.
-    sine = angle_rad * (1.0F - square * (1.0F / 6.0F) *
-                                   (1.0F - square * (1.0F / 20.0F) * (1.0F - square * (1.0F / 42.0F))));
-    cosine = 1.0F - square * 0.5F * (1.0F - square * (1.0F / 12.0F) * (1.0F - square * (1.0F / 30.0F)));
+    if constexpr (kTerms == Terms::kTwo) {
+      sine = angle_rad * (1.0F - square * (1.0F / 6.0F));
+      cosine = 1.0F - square * 0.5F;
+    } else {
+      sine = angle_rad * (1.0F - square * (1.0F / 6.0F) *
+                                     (1.0F - square * (1.0F / 20.0F) * (1.0F - square * (1.0F / 42.0F))));
+      cosine = 1.0F - square * 0.5F * (1.0F - square * (1.0F / 12.0F) * (1.0F - square * (1.0F / 30.0F)));
+    }
   }
   float sine;
   float cosine;
 };
 
-}  // namespace
-
-SONARCAL_VECTOR_VERSIONS
-void TurnedAndRaisedDirections(const float* __restrict x, const float* __restrict y,
-                               const float* __restrict width_rad, float part,
-                               const float* __restrict elevation_offset, float height_rad, float across,
-                               float up, const float* __restrict rotation, int count,
-                               float* __restrict world_x, float* __restrict world_y,
-                               float* __restrict world_z) {
+template <Terms kTerms>
+__attribute__((always_inline)) inline void TurnAndRaise(const float* __restrict x, const float* __restrict y,
+                                                        const float* __restrict width_rad, float part,
+                                                        const float* __restrict elevation_offset,
+                                                        float height_rad, float across, float up,
+                                                        const float* __restrict rotation, int count,
+                                                        float* __restrict world_x, float* __restrict world_y,
+                                                        float* __restrict world_z) {
   for (int i = 0; i < count; ++i) {
-    const SmallTurn aside(part * width_rad[i]);
-    const SmallTurn raised(elevation_offset[i] * height_rad);
+    const SmallTurn<kTerms> aside(part * width_rad[i]);
+    const SmallTurn<kTerms> raised(elevation_offset[i] * height_rad);
     const float level = across * raised.cosine - up * raised.sine;
     const float height = up * raised.cosine + across * raised.sine;
     const float right = (x[i] * aside.cosine + y[i] * aside.sine) * level;
     const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * level;
-    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + height * height);
-    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * height);
-    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * height);
-    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * height);
+    world_x[i] = rotation[0] * right + rotation[1] * ahead + rotation[2] * height;
+    world_y[i] = rotation[3] * right + rotation[4] * ahead + rotation[5] * height;
+    world_z[i] = rotation[6] * right + rotation[7] * ahead + rotation[8] * height;
+  }
+}
+
+}  // namespace
+
+SONARCAL_VECTOR_VERSIONS
+void TurnedAndRaisedDirections(const float* x, const float* y, const float* width_rad, float part,
+                               const float* elevation_offset, float height_rad, float across, float up,
+                               const float* rotation, int count, float* world_x, float* world_y,
+                               float* world_z) {
+  int wide = std::abs(height_rad) < kNarrowRad ? 0 : 1;
+  for (int i = 0; i < count; ++i) wide += std::abs(part * width_rad[i]) < kNarrowRad ? 0 : 1;
+  if (wide == 0) {
+    TurnAndRaise<Terms::kTwo>(x, y, width_rad, part, elevation_offset, height_rad, across, up, rotation,
+                              count, world_x, world_y, world_z);
+  } else {
+    TurnAndRaise<Terms::kAll>(x, y, width_rad, part, elevation_offset, height_rad, across, up, rotation,
+                              count, world_x, world_y, world_z);
   }
 }
 
@@ -205,13 +249,12 @@ void TurnedDirections(const float* __restrict x, const float* __restrict y, cons
                       float part, float across, float up, const float* __restrict rotation, int count,
                       float* __restrict world_x, float* __restrict world_y, float* __restrict world_z) {
   for (int i = 0; i < count; ++i) {
-    const SmallTurn aside(part * width_rad[i]);
+    const SmallTurn<Terms::kAll> aside(part * width_rad[i]);
     const float right = (x[i] * aside.cosine + y[i] * aside.sine) * across;
     const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * across;
-    const float scale = 1.0F / std::sqrt(right * right + ahead * ahead + up * up);
-    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * up);
-    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * up);
-    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * up);
+    world_x[i] = rotation[0] * right + rotation[1] * ahead + rotation[2] * up;
+    world_y[i] = rotation[3] * right + rotation[4] * ahead + rotation[5] * up;
+    world_z[i] = rotation[6] * right + rotation[7] * ahead + rotation[8] * up;
   }
 }
 
@@ -263,21 +306,20 @@ __attribute__((always_inline)) inline void Interpolate(const Table& table, int c
   const float* __restrict values = table.values;
   float at[kLanes];
   std::int32_t cell[kLanes];
-  float before[kLanes];
-  float after[kLanes];
+  float between[2 * kLanes];  // values at both ends of the cell, which one load reads
+  float value[kLanes];
   for (int first = 0; first < count; first += kLanes) {
     const int here = count - first < kLanes ? count - first : kLanes;
     for (int i = 0; i < here; ++i) {
       at[i] = position(first + i);
       cell[i] = static_cast<std::int32_t>(at[i]);
     }
+    for (int i = 0; i < here; ++i) std::memcpy(&between[2 * i], &values[cell[i]], 2 * sizeof(float));
     for (int i = 0; i < here; ++i) {
-      before[i] = values[cell[i]];
-      after[i] = values[cell[i] + 1];
+      value[i] =
+          between[2 * i] + (at[i] - static_cast<float>(cell[i])) * (between[2 * i + 1] - between[2 * i]);
     }
-    for (int i = 0; i < here; ++i)
-      before[i] += (at[i] - static_cast<float>(cell[i])) * (after[i] - before[i]);
-    of_lanes(first, here, before);
+    of_lanes(first, here, value);
   }
 }
 
@@ -320,6 +362,13 @@ void ElevationWeights(const Table& table, float at, float per_offset,
       [&](int first, int here, const float* value) {
         for (int i = 0; i < here; ++i) weight[first + i] = width[first + i] * value[i];
       });
+}
+
+SONARCAL_VECTOR_VERSIONS
+void QuadraticWeights(float a, float b, float c, const float* __restrict elevation_offset,
+                      const float* __restrict width, int count, float* __restrict weight) {
+  for (int i = 0; i < count; ++i)
+    weight[i] = (a + elevation_offset[i] * (b + elevation_offset[i] * c)) * width[i];
 }
 
 SONARCAL_VECTOR_VERSIONS

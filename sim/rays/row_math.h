@@ -16,7 +16,7 @@ void Directions(const float* x, const float* y, float across, float up, const fl
                 float* world_x, float* world_y, float* world_z);
 
 // As Directions, but first turns each vector to the right by part x width_rad[i]. The angle is within half a
-// radian; (x[i], y[i]) has length 1.
+// radian. (x[i], y[i]) and (across, up) have length 1, so that nothing has to be normalised.
 void TurnedDirections(const float* x, const float* y, const float* width_rad, float part, float across,
                       float up, const float* rotation, int count, float* world_x, float* world_y,
                       float* world_z);
@@ -76,6 +76,10 @@ void Disturb(const Growth& growth, float range_scale, float azimuth_scale, const
 void ElevationWeights(const Table& table, float at, float per_offset, const float* elevation_offset,
                       const float* width, int count, float* weight);
 
+// (a + b x + c x^2) x width[i], with x = elevation_offset[i].
+void QuadraticWeights(float a, float b, float c, const float* elevation_offset, const float* width, int count,
+                      float* weight);
+
 // table(at[i]), for positions 0..1.
 void Lookup(const Table& table, const float* at, int count, float* value);
 
@@ -109,6 +113,7 @@ double Dot(const double* a, const double* b, int count);
 // sums[w kDots + k] = sum over i of weight[w][i] x values[k][i], for two weights.
 inline constexpr int kDots = 4;
 void Dots(const double* const* weight, const double* const* values, int count, double* sums);
+void Dots(const float* const* weight, const float* const* values, int count, float* sums);
 
 // Adds to sums[k] the sum over i of weight[i] x values[i kBlockCols + k], for k = 0 .. kBlockCols - 1.
 inline constexpr int kBlockCols = 64;

@@ -79,10 +79,10 @@ TEST_F(TankWithMirrors, NoMirrorNoGhosts) {
   // (sim/acoustic/acoustic_frame.h). So powers are compared, within the bound of the tests of that file.
   // Grey levels would round them.
   const AcousticGeometry geometry{simulator_.sonar(), simulator_.absorption_db_per_m()};
-  const Grid<double> of_echoes = ThroughPulse(simulator_.Scatter(echoes, none), geometry, none).power;
-  const Grid<double> in_one_pass =
-      PulsedFrom(simulator_.caster(), simulator_.fan(), pose_, geometry, none, simulator_.options().trace)
-          .power;
+  const Grid<double> of_echoes = ThroughPulse(simulator_.Scatter(echoes, none), geometry, none);
+  const ExpectedFrames frames(simulator_.caster(), simulator_.fan(), geometry, none,
+                              simulator_.options().trace);
+  const Grid<float> in_one_pass = frames.Pulsed(pose_).power;
   const double largest = *std::max_element(of_echoes.values().begin(), of_echoes.values().end());
   ASSERT_GT(largest, 0.0);
   for (std::size_t i = 0; i < of_echoes.size(); ++i)
