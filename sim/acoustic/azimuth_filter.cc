@@ -22,7 +22,8 @@ AzimuthFilter<T>::AzimuthFilter(const std::vector<ResponseWindow>& windows)
     const ResponseWindow& other = windows[std::min(beam + 1, beams_ - 1)];
     BeamPair& pair = pairs_.emplace_back();
     pair.first_col = std::min(one.first, other.first);
-    for (const auto& [window, weight] : {std::pair(&one, &pair.weight[0]), std::pair(&other, &pair.weight[1])}) {
+    for (const auto& [window, weight] :
+         {std::pair(&one, &pair.weight[0]), std::pair(&other, &pair.weight[1])}) {
       weight->resize(std::max(end(one), end(other)) - pair.first_col);
       std::transform(window->weight.begin(), window->weight.end(),
                      weight->begin() + (window->first - pair.first_col),

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "core/types/units.h"
+#include "sim/ghosts/ghost_math.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/fine_rows.h"
 #include "sim/physics/gsab.h"
@@ -58,9 +59,10 @@ class BandShares {
       std::vector<ColumnShare>& shares = locals.local();
       shares.clear();
       const std::size_t end = std::min((chunk + 1) * kChunk, ghosts.echoes.size());
-      for (std::size_t i = chunk * kChunk; i < end; ++i) {
-        const GhostEcho& echo = ghosts.echoes[i];
-        power.ForEachArrival(echo, power.OneWay(echo), [&](const GhostArrival& arrival) {
+      const std::span echoes(&ghosts.echoes[chunk * kChunk], end - chunk * kChunk);
+      const std::vector<double> powers = power.OneWays(echoes);
+      for (std::size_t i = 0; i < echoes.size(); ++i) {
+        power.ForEachArrival(echoes[i], powers[i], [&](const GhostArrival& arrival) {
           grid.ForEachColumn(arrival, [&](int row, int column, double nearer, double further) {
             shares.push_back({row, column, static_cast<float>(nearer), static_cast<float>(further)});
           });
@@ -121,6 +123,7 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
     const auto mirror = parameters.mirrors.find(name);
     loss_db_.push_back(mirror == parameters.mirrors.end() ? std::numeric_limits<double>::infinity()
                                                           : mirror->second.loss_db);
+    factor_.push_back(single(PowerFromDb(-loss_db_.back())));
   }
 }
 
@@ -190,11 +193,63 @@ double GhostPower::OneWay(const GhostEcho& echo) const {
   return model_.Power(path, scattered);
 }
 
+float GhostPower::MirrorFactor(const GhostLeg& leg) const {
+  float factor = 1.0F;
+  for (const std::uint16_t mirror : leg.mirror) {
+    if (mirror != kNoMirror) factor *= factor_[mirror];
+  }
+  return factor;
+}
+
+std::vector<double> GhostPower::OneWays(std::span<const GhostEcho> echoes) const {
+  using ghost_math::Echoes;
+  const double level = model_.level();
+  const auto loss_per_m = static_cast<float>(model_.absorption_db_per_m() * kNeperPerDb);
+  const auto per_square = [](float width_deg) {
+    const double width_rad = RadFromDeg(double{width_deg});
+    return static_cast<float>(0.5 / (width_rad * width_rad));
+  };
+  std::vector<GsabParameters<float>> curves = curves_;  // widths as factors of the square of an angle
+  for (GsabParameters<float>& curve : curves) {
+    curve.b_deg = per_square(curve.b_deg);
+    curve.f_deg = per_square(curve.f_deg);
+  }
+  std::vector<double> powers(echoes.size());
+  Echoes some;
+  float power[Echoes::kMax];
+  for (std::size_t first = 0; first < echoes.size(); first += Echoes::kMax) {
+    const int count = static_cast<int>(std::min<std::size_t>(Echoes::kMax, echoes.size() - first));
+    for (int i = 0; i < count; ++i) {
+      const GhostEcho& echo = echoes[first + i];
+      const GsabParameters<float>& curve = curves[echo.material];
+      some.weight[i] = echo.solid_angle_sr * MirrorFactor(echo.leg) * MirrorFactor(echo.other);
+      some.elevation_power[i] = static_cast<float>(ElevationPower(echo.leg.elevation_rad) *
+                                                   ElevationPower(echo.other.elevation_rad));
+      some.length_m[i] = echo.leg.length_m + echo.other.length_m;
+      some.back_spreading_m[i] = echo.other.spreading_m;
+      some.incidence_rad[i] = echo.leg.incidence_rad;
+      some.other_incidence_rad[i] = echo.other.incidence_rad;
+      some.tilt_rad[i] = echo.tilt_rad;
+      some.a[i] = curve.a;
+      some.per_b[i] = curve.b_deg;
+      some.c[i] = curve.c;
+      some.half_d[i] = 0.5F * curve.d;
+      some.e[i] = curve.e;
+      some.per_f[i] = curve.f_deg;
+    }
+    ghost_math::Powers(some, loss_per_m, count, power);
+    for (int i = 0; i < count; ++i) powers[first + i] = level * power[i];
+  }
+  return powers;
+}
+
 double GhostPower::InCommon(float azimuth_rad, float middle_rad) const {
   const float apart_rad = azimuth_rad - middle_rad;
   if (std::abs(apart_rad) > negligible_beyond_rad_) return 0.0;
+  // A thousandth of the beam's width loses 3e-6. Most legs of a floor or a surface arrive from one azimuth.
+  if (std::abs(apart_rad) < 1e-3 * azimuth_.shape().width_rad) return 1.0;
   if (azimuth_.shape().pattern == AzimuthPattern::kAperture) {
-    // sin a - sin m by one sine and one cosine. Most legs of a floor or a surface arrive from one azimuth.
+    // sin a - sin m by one sine and one cosine.
     const float mean_rad = 0.5F * (azimuth_rad + middle_rad);
     const double field = azimuth_.ApertureFieldAt(2.0F * std::cos(mean_rad) * std::sin(0.5F * apart_rad));
     return field * field < kMinInCommon ? 0.0 : field * field;

@@ -19,6 +19,7 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,9 @@ class GhostPower {
 
   // Power in one direction of travel: out by `leg`, back by `other`.
   double OneWay(const GhostEcho& echo) const;
+
+  // OneWay of each echo, to single precision.
+  std::vector<double> OneWays(std::span<const GhostEcho> echoes) const;
 
   // As OneWay with source level, gain, losses and backscatter set to 1: the factor of the geometry.
   double UnitOneWay(const GhostEcho& echo) const;
@@ -80,6 +84,7 @@ class GhostPower {
   double LossDb(const GhostLeg& leg) const;
   EchoPath PathOf(const GhostEcho& echo) const;
   double MirrorLossDb(const GhostLeg& leg) const;
+  float MirrorFactor(const GhostLeg& leg) const;
   double ElevationPower(double elevation_rad) const;
   // Response at the mean azimuth to an echo at `azimuth_rad`; 0 if negligible.
   double InCommon(float azimuth_rad, float middle_rad) const;
@@ -92,6 +97,7 @@ class GhostPower {
   double elevation_width_deg_;
   double negligible_beyond_rad_ = 0.0;  // difference of azimuths beyond which InCommon is 0
   std::vector<double> loss_db_;         // per material, of one reflection; infinity if it is no mirror
+  std::vector<float> factor_;           // the same as a factor on power
 };
 
 // Grid of a fan's columns and fine rows of range. An arrival is shared between the two nearest columns and

@@ -59,6 +59,10 @@ struct Patch {
 // errors at every angle, because sine and cosine are given.
 class AngleBatch {
  public:
+  explicit AngleBatch(std::size_t max_count) {
+    sine_.reserve(max_count);
+    cosine_.reserve(max_count);
+  }
   void Add(const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
     sine_.push_back(static_cast<float>(direction.cross(normal).norm()));
     cosine_.push_back(static_cast<float>(std::abs(direction.dot(normal))));
@@ -75,15 +79,13 @@ class AngleBatch {
   std::vector<float> cosine_;
 };
 
-// Bundles of a fan's row that hit a mirror, after the reflection.
-std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, int row) {
+// Adds the bundles of a fan's row that hit a mirror, after the reflection.
+void AddFirstReflections(const Tracing& tracing, const FanHits& hits, int row, std::vector<Seen>& seen) {
   const RayFan& fan = tracing.fan;
   std::array<std::vector<float>, 3> directions;
   for (std::vector<float>& component : directions) component.resize(fan.cols());
   fan.RowDirections(row, Eigen::Matrix3f::Identity(), directions[0].data(), directions[1].data(),
                     directions[2].data());
-  std::vector<Seen> seen;
-  seen.reserve(fan.cols());
   for (int col = 0; col < fan.cols(); ++col) {
     const std::size_t ray = static_cast<std::size_t>(row) * fan.cols() + col;
     const int triangle = hits.triangle[ray];
@@ -101,11 +103,10 @@ std::vector<Seen> FirstReflections(const Tracing& tracing, const FanHits& hits, 
     begun.bundle = tracing.mirrors.Reflected(begun.bundle, triangle, range_m);
     seen.push_back(begun);
   }
-  return seen;
 }
 
-// As FirstReflections, for rays at random spots of the row's cells.
-std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
+// As AddFirstReflections, for rays at random spots of the row's cells.
+void AddFirstReflectionsAtSpots(const Tracing& tracing, int row, std::vector<Seen>& seen) {
   const RayFan& fan = tracing.fan;
   const CounterRandom spots(*tracing.options.spots_seed, kSpotsStream);
   std::vector<Eigen::Vector3d> directions;
@@ -117,7 +118,6 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
              2.0 * tracing.options.range_max_m);
   }
   const FanHits hits = tracing.caster.FirstIntersections(rays);
-  std::vector<Seen> seen;
   for (int col = 0; col < fan.cols(); ++col) {
     const int triangle = hits.triangle[col];
     if (triangle < 0 || !(hits.range_m[col] > 0.0F) || !tracing.mirrors.Reflects(triangle)) continue;
@@ -133,13 +133,13 @@ std::vector<Seen> FirstReflectionsAtSpots(const Tracing& tracing, int row) {
     begun.bundle = tracing.mirrors.Reflected(begun.bundle, triangle, hits.range_m[col]);
     seen.push_back(begun);
   }
-  return seen;
 }
 
 // Traces the bundles to their next intersection. Returns the patches; bundles that hit another mirror are
 // reflected there and replace `seen`.
 std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Seen>& seen) {
   FreeRays rays;
+  rays.Reserve(seen.size());
   for (const Seen& one : seen) {
     const RayBundle& bundle = one.bundle;
     // The other leg also uses part of the path, but its length is not known yet.
@@ -151,7 +151,7 @@ std::vector<Patch> PatchesSeen(const Tracing& tracing, int level, std::vector<Se
   const FanHits hits = tracing.caster.FirstIntersections(rays);
   std::vector<Patch> patches;
   patches.reserve(seen.size());
-  AngleBatch incidence;
+  AngleBatch incidence(seen.size());
   std::vector<Seen> further;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const int triangle = hits.triangle[i];
@@ -200,25 +200,54 @@ bool IsWanted(const Tracing& tracing, const GhostLeg& leg, const GhostLeg& other
          IsKept(tracing.options, 0.5F * (leg.length_m + other.length_m));
 }
 
-// Leg that leaves the sonar in a direction of the world, possibly by flat mirrors. Its incidence is not set.
-GhostLeg LegBack(const Tracing& tracing, double length_m, const Eigen::Vector3d& from_sonar) {
-  const Eigen::Vector3d in_sonar = tracing.world_from_sonar.transpose() * from_sonar;
-  GhostLeg leg;
-  leg.length_m = static_cast<float>(length_m);
-  leg.spreading_m = leg.length_m;
-  const Eigen::Vector3f direction = in_sonar.cast<float>();
-  leg.azimuth_rad = std::atan2(direction.x(), direction.y());
-  leg.elevation_rad = std::atan2(direction.z(), direction.head<2>().norm());
-  return leg;
-}
+// Legs that leave the sonar in given directions, possibly by flat mirrors. Their angles are computed together.
+class LegBatch {
+ public:
+  LegBatch(const Tracing& tracing, std::size_t max_count)
+      : sonar_from_world_(tracing.world_from_sonar.transpose()) {
+    length_m_.reserve(max_count);
+    for (std::vector<float>& component : direction_) component.reserve(max_count);
+  }
+  void Add(double length_m, const Eigen::Vector3d& from_sonar) {
+    const Eigen::Vector3d in_sonar = sonar_from_world_ * from_sonar;
+    length_m_.push_back(static_cast<float>(length_m));
+    for (int i = 0; i < 3; ++i) direction_[i].push_back(static_cast<float>(in_sonar[i]));
+  }
+  // In the order of Add. Incidence and mirrors are not set.
+  std::vector<GhostLeg> Legs() const {
+    const std::size_t count = length_m_.size();
+    std::vector<float> azimuth_rad(count);
+    std::vector<float> elevation_rad(count);
+    row_math::Bearings(direction_[0].data(), direction_[1].data(), direction_[2].data(),
+                       static_cast<int>(count), azimuth_rad.data(), elevation_rad.data());
+    std::vector<GhostLeg> legs(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      legs[i].length_m = length_m_[i];
+      legs[i].spreading_m = length_m_[i];
+      legs[i].azimuth_rad = azimuth_rad[i];
+      legs[i].elevation_rad = elevation_rad[i];
+    }
+    return legs;
+  }
+
+ private:
+  Eigen::Matrix3d sonar_from_world_;
+  std::vector<float> length_m_;
+  std::array<std::vector<float>, 3> direction_;
+};
 
 // Straight legs of patches, in their order. Nothing for a patch that is occluded or whose echo lies outside
 // the range window.
 std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const std::vector<Patch>& patches) {
-  std::vector<std::optional<GhostLeg>> legs(patches.size());
-  std::vector<std::size_t> of_ray;
-  FreeRays rays;
-  AngleBatch incidence;
+  struct Candidate {
+    std::size_t patch;
+    Eigen::Vector3d start_m;
+    Eigen::Vector3d back;
+    double length_m;
+  };
+  std::vector<Candidate> candidates;
+  candidates.reserve(patches.size());
+  LegBatch batch(tracing, patches.size());
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
     const Eigen::Vector3d start_m = patch.point_m + tracing.clearance_m * patch.normal;
@@ -226,11 +255,22 @@ std::vector<std::optional<GhostLeg>> StraightLegs(const Tracing& tracing, const 
     if (!(to_sonar_m.dot(patch.normal) > 0.0)) continue;
     const double length_m = to_sonar_m.norm();
     const Eigen::Vector3d back = to_sonar_m / length_m;
-    const GhostLeg leg = LegBack(tracing, length_m, -back);
-    if (!IsWanted(tracing, leg, patch.leg)) continue;
-    legs[i] = leg;
-    of_ray.push_back(i);
-    incidence.Add(back, patch.normal);
+    batch.Add(length_m, -back);
+    candidates.push_back({i, start_m, back, length_m});
+  }
+  const std::vector<GhostLeg> straight = batch.Legs();
+  std::vector<std::optional<GhostLeg>> legs(patches.size());
+  std::vector<std::size_t> of_ray;
+  of_ray.reserve(candidates.size());
+  FreeRays rays;
+  rays.Reserve(candidates.size());
+  AngleBatch incidence(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const auto& [idx, start_m, back, length_m] = candidates[i];
+    if (!IsWanted(tracing, straight[i], patches[idx].leg)) continue;
+    legs[idx] = straight[i];
+    of_ray.push_back(idx);
+    incidence.Add(back, patches[idx].normal);
     rays.Add(start_m, back, length_m - tracing.clearance_m);
   }
   const std::vector<float> incidence_rad = incidence.AnglesRad();
@@ -255,8 +295,9 @@ GhostEcho EchoOf(const Tracing& tracing, const Patch& patch) {
 void AddEchoes(const Tracing& tracing, const std::vector<Patch>& patches, std::vector<GhostEcho>& echoes) {
   echoes.reserve(echoes.size() + 2 * patches.size());
   const std::vector<std::optional<GhostLeg>> straight = StraightLegs(tracing, patches);
-  AngleBatch tilt;
+  AngleBatch tilt(patches.size());
   std::vector<std::size_t> both_ways;
+  both_ways.reserve(patches.size());
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const Patch& patch = patches[i];
     GhostEcho echo = EchoOf(tracing, patch);
@@ -284,16 +325,16 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
                       std::vector<GhostEcho>& echoes) {
   struct Candidate {
     const Patch* patch;
-    GhostLeg leg;
+    Eigen::Vector3d start_m;
     Eigen::Vector3d back;      // from the patch to the image
     Eigen::Vector3d mirror_m;  // intersection of the path with the mirror's plane
     double to_mirror_m;
+    GhostLeg leg = {};
   };
   const MirrorSurface::Plane& plane = tracing.mirrors.planes()[plane_idx];
   const Eigen::Vector3d image_m = plane.ImageOf(tracing.sonar_m);
   std::vector<Candidate> candidates;
-  AngleBatch incidence;
-  FreeRays to_mirror;
+  LegBatch batch(tracing, patches.size());
   for (const Patch& patch : patches) {
     if (tracing.mirrors.PlaneOf(patch.mirror_triangle) >= plane_idx) continue;
     const Eigen::Vector3d start_m = patch.point_m + tracing.clearance_m * patch.normal;
@@ -303,12 +344,20 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
     const double share = (plane.offset_m - plane.normal.dot(start_m)) / plane.normal.dot(to_image_m);
     if (!(back.dot(patch.normal) > 0.0) || !(share > 0.0 && share < 1.0)) continue;
     const Eigen::Vector3d mirror_m = start_m + share * to_image_m;
-    const Eigen::Vector3d from_sonar = (mirror_m - tracing.sonar_m).normalized();
-    const GhostLeg leg = LegBack(tracing, length_m, from_sonar);
-    if (!IsWanted(tracing, leg, patch.leg)) continue;
-    incidence.Add(back, patch.normal);
-    candidates.push_back({&patch, leg, back, mirror_m, share * length_m});
-    to_mirror.Add(start_m, back, share * length_m + 10.0 * tracing.clearance_m);
+    batch.Add(length_m, (mirror_m - tracing.sonar_m).normalized());
+    candidates.push_back({&patch, start_m, back, mirror_m, share * length_m});
+  }
+  const std::vector<GhostLeg> legs = batch.Legs();
+  for (std::size_t i = 0; i < candidates.size(); ++i) candidates[i].leg = legs[i];
+  std::erase_if(candidates, [&](const Candidate& candidate) {
+    return !IsWanted(tracing, candidate.leg, candidate.patch->leg);
+  });
+  AngleBatch incidence(candidates.size());
+  FreeRays to_mirror;
+  to_mirror.Reserve(candidates.size());
+  for (const Candidate& candidate : candidates) {
+    incidence.Add(candidate.back, candidate.patch->normal);
+    to_mirror.Add(candidate.start_m, candidate.back, candidate.to_mirror_m + 10.0 * tracing.clearance_m);
   }
   // The first intersection must be on the mirror, and the rest of the path must be free.
   const FanHits hits = tracing.caster.FirstIntersections(to_mirror);
@@ -328,7 +377,7 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
   }
   const std::vector<char> occluded = tracing.caster.IsOccluded(to_sonar);
   const std::size_t first = echoes.size();
-  AngleBatch tilt;
+  AngleBatch tilt(met.size());
   for (std::size_t ray = 0; ray < met.size(); ++ray) {
     if (occluded[ray] != 0) continue;
     const Candidate& candidate = candidates[met[ray]];
@@ -342,10 +391,17 @@ void AddEchoesByPlane(const Tracing& tracing, const std::vector<Patch>& patches,
   for (std::size_t i = 0; i < tilt_rad.size(); ++i) echoes[first + i].tilt_rad = tilt_rad[i];
 }
 
-std::vector<GhostEcho> EchoesOfRow(const Tracing& tracing, const FanHits& hits, int row) {
+std::vector<GhostEcho> EchoesOfRows(const Tracing& tracing, const FanHits& hits, int begin, int end) {
   std::vector<GhostEcho> echoes;
-  std::vector<Seen> seen = tracing.options.spots_seed ? FirstReflectionsAtSpots(tracing, row)
-                                                      : FirstReflections(tracing, hits, row);
+  std::vector<Seen> seen;
+  seen.reserve(static_cast<std::size_t>(end - begin) * tracing.fan.cols());
+  for (int row = begin; row < end; ++row) {
+    if (tracing.options.spots_seed) {
+      AddFirstReflectionsAtSpots(tracing, row, seen);
+    } else {
+      AddFirstReflections(tracing, hits, row, seen);
+    }
+  }
   for (int level = 1; level <= tracing.options.order && !seen.empty(); ++level) {
     const std::vector<Patch> patches = PatchesSeen(tracing, level, seen);
     AddEchoes(tracing, patches, echoes);
@@ -414,16 +470,19 @@ GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, con
 
   FanHits hits;
   if (!options.spots_seed) hits = caster.Cast(fan, world_from_sonar, 2.0 * options.range_max_m);
-  std::vector<std::vector<GhostEcho>> by_row(fan.rows());
-  tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 4), [&](const tbb::blocked_range<int>& rows) {
-    for (int row = rows.begin(); row != rows.end(); ++row) by_row[row] = EchoesOfRow(tracing, hits, row);
+  // A few rows together need fewer blocks of memory, whose pool the threads share, and still fit the cache.
+  constexpr int kRowsTogether = 4;
+  std::vector<std::vector<GhostEcho>> parts((fan.rows() + kRowsTogether - 1) / kRowsTogether);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    const int begin = static_cast<int>(part) * kRowsTogether;
+    parts[part] = EchoesOfRows(tracing, hits, begin, std::min(begin + kRowsTogether, fan.rows()));
   });
   GhostList list;
   list.material_names = caster.material_names();
   std::size_t count = 0;
-  for (const auto& row : by_row) count += row.size();
+  for (const auto& part : parts) count += part.size();
   list.echoes.reserve(count);
-  for (const auto& row : by_row) list.echoes.insert(list.echoes.end(), row.begin(), row.end());
+  for (const auto& part : parts) list.echoes.insert(list.echoes.end(), part.begin(), part.end());
   return list;
 }
 

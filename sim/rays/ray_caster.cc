@@ -305,6 +305,12 @@ void FreeRays::Clear() {
   max_range_m.clear();
 }
 
+void FreeRays::Reserve(std::size_t count) {
+  for (auto& component : origin_m) component.reserve(count);
+  for (auto& component : direction) component.reserve(count);
+  max_range_m.reserve(count);
+}
+
 void FreeRays::Add(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards, double up_to_m) {
   for (int i = 0; i < 3; ++i) {
     origin_m[i].push_back(static_cast<float>(from_m[i]));

@@ -57,6 +57,7 @@ struct FreeRays {
 
   std::size_t size() const { return max_range_m.size(); }
   void Clear();
+  void Reserve(std::size_t count);
   void Add(const Eigen::Vector3d& from_m, const Eigen::Vector3d& towards, double up_to_m);
 };
 

@@ -36,16 +36,36 @@ void WideSums(const float* const* __restrict weight, const float* __restrict val
   std::memcpy(sums, sum, sizeof sum);
 }
 
+namespace {
+
+// Angle of a sine and a cosine that are not negative. The quotient of the smaller by the larger one keeps the
+// digits at both ends.
+__attribute__((always_inline)) inline float AngleOf(float sine, float cosine) {
+  const bool steep = sine > cosine;
+  const float small = steep ? cosine : sine;
+  const float large = steep ? sine : cosine;
+  const float angle = std::atan(small / (large + 1e-30F));
+  return steep ? 0.5F * std::numbers::pi_v<float> - angle : angle;
+}
+
+}  // namespace
+
 SONARCAL_VECTOR_VERSIONS
 void Angles(const float* __restrict sine, const float* __restrict cosine, int count,
             float* __restrict angle_rad) {
-  // The quotient of the smaller by the larger one keeps the digits at both ends.
+  for (int i = 0; i < count; ++i) angle_rad[i] = AngleOf(sine[i], cosine[i]);
+}
+
+SONARCAL_VECTOR_VERSIONS
+void Bearings(const float* __restrict x, const float* __restrict y, const float* __restrict z, int count,
+              float* __restrict azimuth_rad, float* __restrict elevation_rad) {
   for (int i = 0; i < count; ++i) {
-    const bool steep = sine[i] > cosine[i];
-    const float small = steep ? cosine[i] : sine[i];
-    const float large = steep ? sine[i] : cosine[i];
-    const float angle = std::atan(small / (large + 1e-30F));
-    angle_rad[i] = steep ? 0.5F * std::numbers::pi_v<float> - angle : angle;
+    const float aside = AngleOf(std::abs(x[i]), std::abs(y[i]));
+    azimuth_rad[i] = std::copysign(y[i] < 0.0F ? std::numbers::pi_v<float> - aside : aside, x[i]);
+  }
+  for (int i = 0; i < count; ++i) {
+    const float raised = AngleOf(std::abs(z[i]), std::sqrt(x[i] * x[i] + y[i] * y[i]));
+    elevation_rad[i] = std::copysign(raised, z[i]);
   }
 }
 

@@ -105,6 +105,10 @@ void EchoParts(const RangeRows& rows, float height_rad, float max_tangent, const
 // Angles between 0 and 90 degrees of these sines and cosines (or of any multiple of both), rad.
 void Angles(const float* sine, const float* cosine, int count, float* angle_rad);
 
+// Azimuth atan2(x, y) and elevation atan2(z, sqrt(x^2 + y^2)) of directions of any length, rad.
+void Bearings(const float* x, const float* y, const float* z, int count, float* azimuth_rad,
+              float* elevation_rad);
+
 // Adds weight x values[i] to sums[i].
 void AddScaled(double weight, const double* values, int count, double* sums);
 

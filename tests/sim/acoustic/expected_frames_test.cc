@@ -40,12 +40,14 @@ TEST_P(ExpectedFrame, IsTheDisplayOfTheMeanPower) {
   const ParameterSet parameters = Parameters();
   const ScatterMap scatter =
       MakeScatterMap(Trace(caster, fan, pose_, sonar_.axes), fan, geometry, parameters);
-  const PolarImage slow = ExpectedDisplay(ExpectedPower(scatter, geometry, parameters), parameters, kFullScale);
+  const PolarImage slow =
+      ExpectedDisplay(ExpectedPower(scatter, geometry, parameters), parameters, kFullScale);
   const ExpectedFrames frames(caster, fan, geometry, parameters, {});
   const PolarImage quick = frames.Displayed(frames.Pulsed(pose_), kFullScale);
   EXPECT_EQ(quick.scale, slow.scale);
   ASSERT_EQ(quick.value.size(), slow.value.size());
-  const auto [darkest, brightest] = std::minmax_element(slow.value.values().begin(), slow.value.values().end());
+  const auto [darkest, brightest] =
+      std::minmax_element(slow.value.values().begin(), slow.value.values().end());
   ASSERT_GT(*brightest - *darkest, 0.5 * kFullScale);
   for (std::size_t i = 0; i < slow.value.size(); ++i)
     ASSERT_NEAR(quick.value.values()[i], slow.value.values()[i], 0.02) << i;
@@ -70,8 +72,9 @@ TEST_P(ExpectedFrame, HasTheParametersOfItsCall) {
 
 INSTANTIATE_TEST_SUITE_P(
     Fans, ExpectedFrame,
-    ::testing::Values(RayFanOptions{.sampling = Sampling::kBeams, .cols = 512, .rows = 300, .stagger_rows = true},
-                      RayFanOptions{.sampling = Sampling::kFrustum, .cols = 512, .rows = 300}));
+    ::testing::Values(
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 512, .rows = 300, .stagger_rows = true},
+        RayFanOptions{.sampling = Sampling::kFrustum, .cols = 512, .rows = 300}));
 
 }  // namespace
 }  // namespace sonarcal::sim

@@ -111,6 +111,32 @@ TEST_F(TankWithMirrors, GhostsBrightenTheExpectedImageAndNeverDarkenIt) {
   for (std::size_t i = 0; i < lost.size(); ++i) EXPECT_NEAR(lost.values()[i], without.values()[i], 1e-3);
 }
 
+// All orders and both kinds of echoes, a curve with all of its terms.
+TEST_F(TankWithMirrors, PowersOfManyEchoesAreThoseOfEach) {
+  for (auto& [name, material] : parameters_.materials)
+    material.gsab = {.a = 4.0, .b_deg = 3.0, .c = 0.2, .d = 1.7, .e = 0.9, .f_deg = 25.0};
+  for (const char* name : {"floor", "wall", "surface"}) parameters_.mirrors[name].loss_db = 1.5;
+  SimulationOptions options = Options();
+  options.ghost_order = 2;
+  const Simulator simulator(MakeTank({.surface = true}), GhostSonar(), options);
+  const GhostList ghosts = simulator.TraceGhosts(pose_, parameters_);
+  const GhostPower power(ghosts.material_names, {simulator.sonar(), simulator.absorption_db_per_m()},
+                         parameters_);
+  const std::vector<double> powers = power.OneWays(ghosts.echoes);
+  ASSERT_EQ(powers.size(), ghosts.echoes.size());
+  ASSERT_GT(powers.size(), 2'000U);
+  double largest = 0.0;
+  int second_order = 0;
+  for (std::size_t i = 0; i < powers.size(); ++i) {
+    const double exact = power.OneWay(ghosts.echoes[i]);
+    largest = std::max(largest, exact);
+    second_order += ghosts.echoes[i].leg.mirror[1] != kNoMirror ? 1 : 0;
+    ASSERT_NEAR(powers[i], exact, 2e-5 * exact) << i;
+  }
+  EXPECT_GT(largest, 0.0);
+  EXPECT_GT(second_order, 100);
+}
+
 // What is sent at 30 degrees is outside of beams that end at 25.6, and comes back into them by a wall.
 TEST(Ghosts, EnergySentAsideReturnsByTheMirror) {
   Scene scene;

@@ -51,6 +51,30 @@ TEST(RowMath, DirectionsAreThoseOfTheFan) {
   }
 }
 
+TEST(RowMath, BearingsAllAround) {
+  std::vector<float> x;
+  std::vector<float> y;
+  std::vector<float> z;
+  for (int azimuth = -179; azimuth <= 179; ++azimuth) {
+    for (const double elevation_deg : {-89.9, -45.0, -1e-4, 0.0, 3.0, 60.0}) {
+      const double azimuth_rad = azimuth * std::numbers::pi / 180.0;
+      const double elevation_rad = elevation_deg * std::numbers::pi / 180.0;
+      x.push_back(static_cast<float>(5.0 * std::sin(azimuth_rad) * std::cos(elevation_rad)));
+      y.push_back(static_cast<float>(5.0 * std::cos(azimuth_rad) * std::cos(elevation_rad)));
+      z.push_back(static_cast<float>(5.0 * std::sin(elevation_rad)));
+    }
+  }
+  std::vector<float> azimuth_rad(x.size());
+  std::vector<float> elevation_rad(x.size());
+  row_math::Bearings(x.data(), y.data(), z.data(), static_cast<int>(x.size()), azimuth_rad.data(),
+                     elevation_rad.data());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_NEAR(azimuth_rad[i], std::atan2(double{x[i]}, double{y[i]}), 5e-7) << i;
+    EXPECT_NEAR(elevation_rad[i], std::atan2(double{z[i]}, std::hypot(double{x[i]}, double{y[i]})), 3e-7)
+        << i;
+  }
+}
+
 TEST(RowMath, HalfTangentsOfEveryAngle) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -291,26 +315,41 @@ TEST(RowMath, WideSumsAreSumsForEachPlaceAndWeight) {
   }
 }
 
-TEST(RowMath, DotsAreSumsOfEachRowByEachWeight) {
-  std::vector<double> weight(37);
-  std::vector<double> other(37);
-  std::vector<std::vector<double>> rows(row_math::kDots, std::vector<double>(37));
-  for (int i = 0; i < 37; ++i) {
-    weight[i] = 0.5 * i - 3.0;
-    other[i] = 1.0 / (1.0 + i);
-    for (int k = 0; k < row_math::kDots; ++k) rows[k][i] = i * i - 7.0 * k;
+template <typename T>
+void ExpectDotsOfSums() {
+  constexpr int kCount = 37;
+  std::vector<T> weight(kCount);
+  std::vector<T> other(kCount);
+  std::vector<std::vector<T>> rows(row_math::kDots, std::vector<T>(kCount));
+  for (int i = 0; i < kCount; ++i) {
+    weight[i] = static_cast<T>(0.5 * i - 3.0);
+    other[i] = static_cast<T>(1.0 / (1.0 + i));
+    for (int k = 0; k < row_math::kDots; ++k) rows[k][i] = static_cast<T>(i * i - 7.0 * k);
   }
-  const double* const weights[] = {weight.data(), other.data()};
-  const double* const values[] = {rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()};
-  for (const int count : {0, 1, 4, 37}) {
-    std::array<double, 2 * row_math::kDots> sums{};
+  const T* const weights[] = {weight.data(), other.data()};
+  const T* const values[] = {rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data()};
+  for (const int count : {0, 1, 4, 8, 13, kCount}) {
+    std::array<T, 2 * row_math::kDots> sums{};
     row_math::Dots(weights, values, count, sums.data());
-    for (int k = 0; k < row_math::kDots; ++k) {
-      EXPECT_NEAR(sums[k], row_math::Dot(weights[0], values[k], count), 1e-9) << count << ' ' << k;
-      EXPECT_NEAR(sums[row_math::kDots + k], row_math::Dot(weights[1], values[k], count), 1e-9)
-          << count << ' ' << k;
+    for (int w = 0; w < 2; ++w) {
+      for (int k = 0; k < row_math::kDots; ++k) {
+        double expected = 0.0;
+        double size = 0.0;
+        for (int i = 0; i < count; ++i) {
+          const double term = double{weights[w][i]} * values[k][i];
+          expected += term;
+          size += std::abs(term);
+        }
+        EXPECT_NEAR(sums[w * row_math::kDots + k], expected, 4.0 * std::numeric_limits<T>::epsilon() * size)
+            << count << ' ' << w << ' ' << k;
+      }
     }
   }
+}
+
+TEST(RowMath, DotsAreSumsOfEachRowByEachWeight) {
+  ExpectDotsOfSums<double>();
+  ExpectDotsOfSums<float>();
 }
 
 TEST(RowMath, ALookupIsLinearBetweenTheValues) {
