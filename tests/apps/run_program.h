@@ -18,10 +18,10 @@ struct Outcome {
   std::string err;
 };
 
-// Runs `sonarcal ARGUMENTS` in a shell; single quotes guard what is quoted.
-inline Outcome RunSonarcal(const std::string& arguments) {
+// Runs `PREFIX sonarcal ARGUMENTS` in a shell; single quotes guard what is quoted.
+inline Outcome RunSonarcal(const std::string& arguments, const std::string& prefix = "") {
   const TempDir dir;
-  const std::string command = std::string(SONARCAL_BINARY) + ' ' + arguments + " >'" +
+  const std::string command = prefix + ' ' + std::string(SONARCAL_BINARY) + ' ' + arguments + " >'" +
                               (dir / "out").string() + "' 2>'" + (dir / "err").string() + "'";
   const int wait_status = std::system(command.c_str());
   return {WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : -1, ReadFile(dir / "out"),

@@ -1,0 +1,134 @@
+// Numbers on other processors: the program under other instruction sets, beside the program as it is. Without
+// AVX2 and FMA, tables of rows, the maths library and the ray tracer run other code. An emulator runs the whole
+// program on a processor that has neither; without it, that part is skipped.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <vector>
+
+#include "data_io/parameters/parameters_io.h"
+#include "data_io/open_recording.h"
+#include "tests/apps/run_program.h"
+#include "tests/apps/tiny_world.h"
+
+namespace sonarcal::testing {
+namespace {
+
+// Of 65,535, and the share of the pixels that may differ by more.
+constexpr float kFewLevels = 8.0F;
+constexpr double kMaxShareApart = 1e-3;
+
+struct Processor {
+  const char* name;
+  const char* prefix;  // of the command
+
+  friend std::ostream& operator<<(std::ostream& out, const Processor& processor) {
+    return out << processor.name;
+  }
+};
+
+class OtherProcessor : public ::testing::TestWithParam<Processor> {
+ protected:
+  void SetUp() override {
+    if (std::string(GetParam().prefix).starts_with("qemu") &&
+        std::system("command -v qemu-x86_64 >/dev/null") != 0)
+      GTEST_SKIP() << "no qemu-x86_64";
+  }
+  std::string prefix() const { return GetParam().prefix; }
+
+  static void Run(const std::string& prefix, const std::string& arguments) {
+    const Outcome outcome = RunSonarcal(arguments, prefix);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+
+  TinyWorld world_;
+};
+
+// Share of pixels that differ by more than `levels` grey levels.
+double ShareApart(const Grid<float>& one, const Grid<float>& other, float levels) {
+  double apart = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i)
+    apart += std::abs(one.values()[i] - other.values()[i]) > levels ? 1.0 : 0.0;
+  return apart / static_cast<double>(one.size());
+}
+
+TEST_P(OtherProcessor, ImagesAreEqualToAFewLevelsOf65535) {
+  struct Image {
+    ParameterSet parameters;
+    const char* option;
+  };
+  for (const auto& [parameters, option] :
+       {Image{TinyParameters(), "--expected"}, Image{TinyParameters(), "--noise"},
+        Image{TinyAcousticParameters(), "--expected"}, Image{TinyAcousticParameters(), "--noise"},
+        Image{TinyAcousticParameters(), "--model coherent"}}) {
+    SCOPED_TRACE(std::string(parameters.model == EchoModel::kPaper ? "paper " : "acoustic ") + option);
+    data_io::WriteParameters(world_.params(), parameters);
+    const std::string arguments =
+        world_.SimulateArguments() + " --bits 16 --force --quiet " + option + " --out ";
+    Run("", arguments + Quoted(world_ / "here"));
+    Run(prefix(), arguments + Quoted(world_ / "there"));
+    const auto here = data_io::OpenRecording(world_ / "here");
+    const auto there = data_io::OpenRecording(world_ / "there");
+    ASSERT_EQ(here->frame_count(), 4);
+    ASSERT_EQ(there->frame_count(), 4);
+    for (int frame = 0; frame < 4; ++frame) {
+      const Grid<float> one = here->ReadFrame(frame).image.value;
+      const Grid<float> other = there->ReadFrame(frame).image.value;
+      const auto [darkest, brightest] = std::minmax_element(one.values().begin(), one.values().end());
+      ASSERT_GT(*brightest - *darkest, 6000.0F);
+      // A ray at an edge, or at the border of a pixel, may fall to either side.
+      EXPECT_LE(ShareApart(one, other, kFewLevels), kMaxShareApart) << frame;
+    }
+  }
+}
+
+// Fits to one recording must end at one optimum: no step or choice may hang on rounding.
+TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardError) {
+  for (const ParameterSet& truth : {TinyParameters(), TinyAcousticParameters()}) {
+    SCOPED_TRACE(truth.model == EchoModel::kPaper ? "paper" : "acoustic");
+    data_io::WriteParameters(world_.params(), truth);
+    Run("", world_.SimulateArguments() + " --bits 12 --noise --force --quiet --out " + Quoted(world_ / "rec"));
+    ParameterSet start = truth;
+    for (auto& [name, material] : start.materials) {
+      material.gsab.a *= 2.0;
+      material.gsab.c *= 0.6;
+      material.gsab.b_deg *= 1.3;
+    }
+    data_io::WriteParameters(world_ / "start.json", start);
+    const auto fitted = [&](const std::string& prefix, const std::string& name) {
+      Run(prefix, "fit --rays 96x100 --starts 2 --force --quiet --real " + Quoted(world_ / "rec") +
+                      " --scene " + Quoted(world_.scene()) + " --params " + Quoted(world_ / "start.json") +
+                      " --out " + Quoted(world_ / name));
+      return ReadJsonFile(world_ / name / "fit.json");
+    };
+    const nlohmann::json here = fitted("", "fit_here");
+    const nlohmann::json there = fitted(prefix(), "fit_there");
+    int compared = 0;
+    for (std::size_t i = 0; i < here["parameters"].size(); ++i) {
+      const nlohmann::json& one = here["parameters"][i];
+      const nlohmann::json& other = there["parameters"][i];
+      ASSERT_EQ(one["name"], other["name"]);
+      EXPECT_EQ(one["status"], other["status"]) << one["name"];
+      if (!one["sigma"].is_number()) continue;
+      ++compared;
+      const double sigma = one["sigma"];
+      EXPECT_NEAR(one["value"].get<double>(), other["value"].get<double>(), 0.1 * sigma) << one["name"];
+      EXPECT_NEAR(sigma, other["sigma"].get<double>(), 0.05 * sigma) << one["name"];
+    }
+    EXPECT_GE(compared, 3);
+  }
+}
+
+// A kernel that the processor does not have is replaced by the best that it has.
+INSTANTIATE_TEST_SUITE_P(
+    All, OtherProcessor,
+    ::testing::Values(Processor{"TracingByAvx512", "SONARCAL_EMBREE=isa=avx512"},
+                      Processor{"TracingBySse2", "SONARCAL_EMBREE=isa=sse2"},
+                      Processor{"MathsWithoutAvx2", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
+                      Processor{"WithoutAvx2AndFma", "qemu-x86_64 -cpu Nehalem"}),
+    [](const auto& of) { return std::string(of.param.name); });
+
+}  // namespace
+}  // namespace sonarcal::testing
