@@ -113,6 +113,12 @@ EchoList Simulator::TraceEchoes(const Pose& world_from_sonar) const {
   return Trace(*caster_, fan_, world_from_sonar, sonar_.axes, options_.trace);
 }
 
+EchoHistogram Simulator::GatherEchoes(const Pose& world_from_sonar) const {
+  if (options_.trace.normals == NormalSource::kGeometric)
+    return CastEchoHistogram(*caster_, fan_, world_from_sonar, sonar_.axes);
+  return sonarcal::sim::GatherEchoes(TraceEchoes(world_from_sonar), sonar_.axes);
+}
+
 PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& parameters,
                              const DrawSeeds& seeds) const {
   if (parameters.model == EchoModel::kPaper && options_.trace.normals == NormalSource::kGeometric) {
@@ -266,9 +272,9 @@ PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet&
     return ExpectedDisplay(power, parameters, options_.full_scale());
   }
   RefuseMargin();
-  const std::vector<double> values =
-      ExpectedPaperImage(GatherEchoes(echoes, sonar_.axes), ImageGeometry(sonar_, absorption_db_per_m_),
-                         PaperParametersFor(parameters, echoes.material_names));
+  const std::vector<double> values = ExpectedPaperImage(
+      sonarcal::sim::GatherEchoes(echoes, sonar_.axes), ImageGeometry(sonar_, absorption_db_per_m_),
+      PaperParametersFor(parameters, echoes.material_names));
   PolarImage image{sonar_.axes, PaperScale(parameters.display, options_.full_scale()),
                    Grid<float>(sonar_.axes.range_bins, sonar_.axes.beam_count())};
   for (std::size_t i = 0; i < values.size(); ++i) {

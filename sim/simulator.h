@@ -61,6 +61,9 @@ class Simulator {
   // Echoes of a pose: geometry only.
   EchoList TraceEchoes(const Pose& world_from_sonar) const;
 
+  // Those echoes, gathered by pixel.
+  EchoHistogram GatherEchoes(const Pose& world_from_sonar) const;
+
   // Multipath echoes of a pose, by the materials that the parameters declare as mirrors. If the scene has no
   // mirror, casts no ray and returns an empty list. Depends on the parameters only through the list of
   // mirrors and the beam fields that GhostFanOptions reads, so losses may change without a new trace.

@@ -300,7 +300,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   if (acoustic) {
     int done = 0;
     for (const int frame : split.used) {
-      add(frame, sim::GatherEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), sonar.axes));
+      add(frame, simulator.GatherEchoes(poses[frame].world_from_sonar));
       if (options.on_trace) options.on_trace(++done, static_cast<int>(split.used.size()));
     }
   } else {

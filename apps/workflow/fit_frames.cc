@@ -41,8 +41,7 @@ std::vector<sim::EchoHistogram> TraceFrames(const sim::Simulator& simulator,
   std::vector<sim::EchoHistogram> echoes(poses.size());
   int done = 0;
   for (const int frame : frames) {
-    echoes[frame] =
-        sim::GatherEchoes(simulator.TraceEchoes(poses[frame].world_from_sonar), simulator.sonar().axes);
+    echoes[frame] = simulator.GatherEchoes(poses[frame].world_from_sonar);
     if (options.on_trace) options.on_trace(++done, static_cast<int>(frames.size()));
   }
   return echoes;

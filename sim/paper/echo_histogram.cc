@@ -1,5 +1,6 @@
 #include "sim/paper/echo_histogram.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "sim/rays/row_math.h"
 
 namespace sonarcal::sim {
 namespace {
@@ -162,6 +164,70 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
   }
   histogram.row_start.push_back(static_cast<std::uint32_t>(histogram.cells.size()));
   return histogram;
+}
+
+EchoHistogram CastEchoHistogram(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
+                                const PolarAxes& axes) {
+  const auto cols = static_cast<std::size_t>(fan.cols());
+  // Echoes of a row stand at the places of its first rays until those of all rows are counted.
+  std::vector<std::uint32_t> ray(fan.size());
+  std::vector<std::uint16_t> material(fan.size());
+  std::vector<float> range_m(fan.size());
+  std::vector<float> half_tangent(fan.size());
+  std::vector<std::size_t> row_start(fan.rows() + 1, 0);
+  const auto nearest_m = static_cast<float>(axes.range_min_m);
+  const auto farthest_m = static_cast<float>(axes.range_max_m);
+  caster.CastRows(fan, world_from_sonar, axes.range_max_m, [&](const RowHits& hits) {
+    const std::size_t first = static_cast<std::size_t>(hits.row) * cols;
+    std::size_t at = first;
+    for (int i = 0; i < hits.count; ++i) {
+      const float range = hits.range_m[i];
+      if (!(range > 0.0F && range >= nearest_m && range < farthest_m)) continue;
+      ray[at] = static_cast<std::uint32_t>(first + static_cast<std::size_t>(hits.col[i]));
+      material[at] = hits.material[i];
+      range_m[at] = range;
+      half_tangent[at] = hits.half_tangent[i];
+      ++at;
+    }
+    row_start[hits.row + 1] = at - first;
+  });
+  for (int row = 0; row < fan.rows(); ++row) row_start[row + 1] += row_start[row];
+
+  // All of a list but what a histogram does not keep.
+  EchoList echoes;
+  const std::size_t count = row_start.back();
+  echoes.ray.resize(count);
+  echoes.material.resize(count);
+  echoes.range_m.resize(count);
+  echoes.azimuth_rad.resize(count);
+  echoes.incidence_rad.resize(count);
+  if (!fan.weighs_evenly()) echoes.weight.resize(count);
+  echoes.cols = fan.cols();
+  for (int col = 0; col < fan.cols(); ++col) echoes.beam_of_column.push_back(fan.BeamOfColumn(col));
+  echoes.rays_per_beam = fan.rays_per_beam();
+  echoes.material_names = caster.material_names();
+  const std::vector<float> ones(cols, 1.0F);
+  tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 16), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<float> azimuth_rad(cols);
+    std::vector<float> weight(cols, 1.0F);
+    for (int row = rows.begin(); row != rows.end(); ++row) {
+      const std::size_t from = static_cast<std::size_t>(row) * cols;
+      const std::size_t to = row_start[row];
+      const std::size_t here = row_start[row + 1] - to;
+      std::copy_n(&ray[from], here, echoes.ray.begin() + to);
+      std::copy_n(&material[from], here, echoes.material.begin() + to);
+      std::copy_n(&range_m[from], here, echoes.range_m.begin() + to);
+      float* incidence_rad = echoes.incidence_rad.data() + to;
+      row_math::Angles(&half_tangent[from], ones.data(), static_cast<int>(here), incidence_rad);
+      for (std::size_t i = 0; i < here; ++i) incidence_rad[i] *= 2.0F;
+      fan.RowAzimuths(row, azimuth_rad.data());
+      for (std::size_t i = 0; i < here; ++i) echoes.azimuth_rad[to + i] = azimuth_rad[ray[from + i] - from];
+      if (echoes.weight.empty()) continue;
+      fan.RowWeights(row, weight.data());
+      for (std::size_t i = 0; i < here; ++i) echoes.weight[to + i] = weight[ray[from + i] - from];
+    }
+  });
+  return GatherEchoes(echoes, axes);
 }
 
 }  // namespace sonarcal::sim

@@ -164,7 +164,7 @@ void PaperFitBesideTracing(benchmark::State& state) {
     std::vector<calib::FitFrame> frames;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       frames.push_back({.index = static_cast<int>(i),
-                        .echoes = sim::GatherEchoes(simulator.TraceEchoes(poses[i]), preset.sonar.axes),
+                        .echoes = simulator.GatherEchoes(poses[i]),
                         .measured = calib::MeasuredForFit(recorded[i]),
                         .level = calib::GreyLevel(recorded[i])});
     }

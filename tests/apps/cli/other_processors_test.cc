@@ -8,8 +8,8 @@
 #include <ostream>
 #include <vector>
 
-#include "data_io/parameters/parameters_io.h"
 #include "data_io/open_recording.h"
+#include "data_io/parameters/parameters_io.h"
 #include "tests/apps/run_program.h"
 #include "tests/apps/tiny_world.h"
 
@@ -89,7 +89,8 @@ TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardError) {
   for (const ParameterSet& truth : {TinyParameters(), TinyAcousticParameters()}) {
     SCOPED_TRACE(truth.model == EchoModel::kPaper ? "paper" : "acoustic");
     data_io::WriteParameters(world_.params(), truth);
-    Run("", world_.SimulateArguments() + " --bits 12 --noise --force --quiet --out " + Quoted(world_ / "rec"));
+    Run("",
+        world_.SimulateArguments() + " --bits 12 --noise --force --quiet --out " + Quoted(world_ / "rec"));
     ParameterSet start = truth;
     for (auto& [name, material] : start.materials) {
       material.gsab.a *= 2.0;
@@ -122,13 +123,13 @@ TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardError) {
 }
 
 // A kernel that the processor does not have is replaced by the best that it has.
-INSTANTIATE_TEST_SUITE_P(
-    All, OtherProcessor,
-    ::testing::Values(Processor{"TracingByAvx512", "SONARCAL_EMBREE=isa=avx512"},
-                      Processor{"TracingBySse2", "SONARCAL_EMBREE=isa=sse2"},
-                      Processor{"MathsWithoutAvx2", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
-                      Processor{"WithoutAvx2AndFma", "qemu-x86_64 -cpu Nehalem"}),
-    [](const auto& of) { return std::string(of.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, OtherProcessor,
+                         ::testing::Values(Processor{"TracingByAvx512", "SONARCAL_EMBREE=isa=avx512"},
+                                           Processor{"TracingBySse2", "SONARCAL_EMBREE=isa=sse2"},
+                                           Processor{"MathsWithoutAvx2",
+                                                     "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
+                                           Processor{"WithoutAvx2AndFma", "qemu-x86_64 -cpu Nehalem"}),
+                         [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace
 }  // namespace sonarcal::testing

@@ -32,6 +32,42 @@ EchoList TankEchoes() {
   return Trace(RayCaster(Tank()), fan, kPose, sonar.axes);
 }
 
+// Rays whose range or incidence rounds to the other side of a border belong to a neighbouring cell or node.
+TEST(EchoHistogram, CastInOnePassIsThatOfTheList) {
+  const SonarModel sonar = TestSonar();
+  const RayCaster caster(Tank());
+  for (const RayFanOptions& options :
+       {RayFanOptions{.sampling = Sampling::kFrustum, .cols = 111, .rows = 80},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 111, .rows = 80},
+        RayFanOptions{.sampling = Sampling::kBeams, .cols = 222, .rows = 90, .stagger = true}}) {
+    const RayFan fan(sonar, options);
+    const EchoHistogram slow = GatherEchoes(Trace(caster, fan, kPose, sonar.axes), sonar.axes);
+    const EchoHistogram quick = CastEchoHistogram(caster, fan, kPose, sonar.axes);
+    EXPECT_EQ(quick.rows, slow.rows);
+    EXPECT_EQ(quick.beams, slow.beams);
+    EXPECT_EQ(quick.materials, slow.materials);
+    ASSERT_EQ(quick.cells.size(), slow.cells.size());
+    ASSERT_GT(slow.cells.size(), 400U);
+    EXPECT_EQ(quick.row_start, slow.row_start);
+    for (std::size_t i = 0; i < slow.cells.size(); ++i) {
+      const EchoHistogram::Cell& one = quick.cells[i];
+      const EchoHistogram::Cell& other = slow.cells[i];
+      ASSERT_EQ(std::pair(one.row, one.col), std::pair(other.row, other.col));
+      EXPECT_NEAR(one.weight, other.weight, 1e-6 * other.weight) << i;
+      EXPECT_NEAR(one.log_range, other.log_range, 1e-5) << i;
+      EXPECT_NEAR(one.two_way_range_m, other.two_way_range_m, 1e-5 * other.two_way_range_m) << i;
+      EXPECT_NEAR(one.range_offset, other.range_offset, 1e-4) << i;
+      EXPECT_NEAR(one.azimuth_offset, other.azimuth_offset, 1e-4) << i;
+      std::map<std::uint32_t, double> nodes;
+      for (std::uint32_t entry = one.first_entry; entry < one.last_entry; ++entry)
+        nodes[quick.entries[entry].node] += quick.entries[entry].weight;
+      for (std::uint32_t entry = other.first_entry; entry < other.last_entry; ++entry)
+        nodes[slow.entries[entry].node] -= slow.entries[entry].weight;
+      for (const auto& [node, difference] : nodes) EXPECT_NEAR(difference, 0.0, 2e-4 * other.weight) << node;
+    }
+  }
+}
+
 // Everything the histogram keeps, counted again echo by echo.
 TEST(EchoHistogram, EveryCellEqualsARecountEchoByEcho) {
   const EchoList echoes = TankEchoes();
