@@ -73,8 +73,8 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
   return mirrors;
 }
 
-// Frames follow each other with the same parameters, so those of the last call are kept. They are made without
-// the lock, because a thread that waits for others may render another frame meanwhile.
+// Frames follow each other with the same parameters, so those of the last call are kept. They are made
+// without the lock, because a thread that waits for others may render another frame meanwhile.
 std::shared_ptr<const ExpectedFrames> Simulator::ExpectedFramesOf(const ParameterSet& parameters) const {
   {
     const std::scoped_lock lock(shared_mutex_);

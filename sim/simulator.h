@@ -134,7 +134,7 @@ class Simulator {
   std::shared_ptr<const RayCaster> caster_;
   RayFan fan_;
   double absorption_db_per_m_;
-  // What the calls share, made by the last one that needed something else.
+  // Data that calls share, made by the last one that needed other data.
   mutable std::mutex shared_mutex_;
   mutable std::map<int, std::shared_ptr<const Mirrors>> mirrors_;  // by `ray_decimation`
   mutable std::shared_ptr<const ExpectedFrames> expected_frames_;

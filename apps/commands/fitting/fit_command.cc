@@ -27,6 +27,7 @@
 #include "apps/report/sections/fit_section.h"
 #include "apps/report/sections/still_section.h"
 #include "apps/workflow/fit.h"
+#include "apps/workflow/kept_memory.h"
 #include "apps/workflow/simulate.h"
 #include "apps/workflow/still_poses.h"
 #include "calib/acoustic_fit.h"
@@ -268,6 +269,7 @@ std::string FitJson(const workflow::RecordingFit& fit) {
 }
 
 cli::ExitStatus RunFit(const FitCommandOptions& options) {
+  workflow::ReturnLargeBlocks();
   if (options.noise_only && !options.fit.choose.empty())
     throw UsageError("--choose is not for --noise-only, which chooses by itself");
   if (options.noise_only) return RunFitNoise(options);

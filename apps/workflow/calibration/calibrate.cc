@@ -15,7 +15,6 @@
 #include "apps/workflow/compare.h"
 #include "apps/workflow/fit_frames.h"
 #include "apps/workflow/frame_choice.h"
-#include "apps/workflow/kept_memory.h"
 #include "apps/workflow/simulate.h"
 #include "calib/models/move_slopes.h"
 #include "calib/noise/noise_fit.h"
@@ -473,7 +472,6 @@ class Calibrator {
     search.joint_steps = kSearchSteps;
     search.repeat_shares = blocks.repeat_shares;
     listener_.Message("placement: searching poses, geometry of the sonar and objects on blocks of pixels");
-    ReturnFreedMemory();
     calib::AcousticFit found = trials.Search(blocks.parameters, config, search);
     search.repeat_shares = found.repeat_shares;
     // The scatter of the poses is unknown at first. With it, the common part of their errors can be told from
@@ -796,7 +794,6 @@ class Calibrator {
     fit.fit.test_others = test_others;
     fit.on_note = listener_.message;
     fit.on_trace = [&](int done, int total) { listener_.Progress("Tracing", done, total); };
-    ReturnFreedMemory();
     RecordingFit last = FitRecording(recording_, scene_, plan_.parameters, fit);
     // The decisions say what is assumed.
     SonarModel stated = recording_.info().sonar;

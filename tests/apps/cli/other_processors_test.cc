@@ -1,6 +1,6 @@
-// Numbers on other processors: the program under other instruction sets, beside the program as it is. Without
-// AVX2 and FMA, tables of rows, the maths library and the ray tracer run other code. An emulator runs the whole
-// program on a processor that has neither; without it, that part is skipped.
+// Numbers on other processors: the program under other instruction sets, beside the program as it is.
+// Without AVX2 and FMA, arithmetic of rows, the maths library and the ray tracer run other code. An emulator
+// runs the whole program on a processor that has neither; without it, that part is skipped.
 #include <gtest/gtest.h>
 
 #include <algorithm>
