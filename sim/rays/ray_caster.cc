@@ -124,6 +124,10 @@ struct RayCaster::Embree {
 
 RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_unique<Embree>()) {
   scene_.Validate("scene");
+  // The first parallel loop of a thread sets the floating-point mode of its later loops. Embree flushes
+  // denormal numbers to zero while it builds its tree. Without a loop before it, results would depend on
+  // what ran earlier in the process.
+  tbb::parallel_for(0, 1, [](int) {});
   // AVX2 kernels on every processor that has AVX2, also with AVX-512, so that rays hit the same edges. The
   // environment variable selects other kernels for tests.
   const char* kernels = std::getenv("SONARCAL_EMBREE");

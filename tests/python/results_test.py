@@ -76,20 +76,11 @@ def test_a_fit_result_has_its_figures_as_attributes(fitted):
         again.plot()
 
 
-def nearly(value):
-    """The same, with numbers that may differ by rounding: sums depend on what ran before in the process."""
-    if isinstance(value, dict):
-        return {key: nearly(of_key) for key, of_key in value.items()}
-    if isinstance(value, list):
-        return [nearly(element) for element in value]
-    return pytest.approx(value, rel=1e-9) if isinstance(value, float) else value
-
-
 def test_explain_equals_the_command(world, acoustic_recording, explanation, tmp_path):
     world.command("explain", "--real", acoustic_recording, "--scene", world.scene_file, "--params", world.acoustic_file,
                   "--max-iterations", "10", "--rays", "48x100", "--quiet", "--out", tmp_path / "out")
-    assert explanation.report == nearly(json.loads((tmp_path / "out" / "explain.json").read_text()))
-    assert explanation.parameters == nearly(sonarcal.read_parameters(tmp_path / "out" / "params.json"))
+    assert explanation.report == json.loads((tmp_path / "out" / "explain.json").read_text())
+    assert explanation.parameters == sonarcal.read_parameters(tmp_path / "out" / "params.json")
 
 
 def test_an_explanation_has_its_steps_by_name(explanation):

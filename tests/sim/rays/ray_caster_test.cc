@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "core/types/error.h"
@@ -15,6 +17,17 @@ namespace {
 using testing::AddBox;
 using testing::AddQuad;
 using testing::AddTriangle;
+
+// A suite of its own, so that no other test runs in its process before it.
+TEST(FloatingPointMode, IsThatOfTheCallerAfterATreeIsBuilt) {
+  Scene scene;
+  AddQuad(scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, "wall");
+  const RayCaster caster(scene);
+  volatile double smallest_normal = std::numeric_limits<double>::min();
+  double half = 0.0;
+  tbb::parallel_for(0, 1, [&](int) { half = 0.5 * smallest_normal; });
+  EXPECT_GT(half, 0.0) << "denormal numbers are flushed to zero";
+}
 
 SonarModel WideSonar() {
   SonarModel sonar{.name = "test sonar",
