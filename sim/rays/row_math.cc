@@ -225,6 +225,12 @@ struct SmallTurn {
   float cosine;
 };
 
+// Factor that gives a vector the length 1. Its squared length is already 1 up to rounding, so one step of
+// Newton's method for the inverse of the square root suffices.
+__attribute__((always_inline)) inline float ToUnit(float squared_length) {
+  return 1.5F - 0.5F * squared_length;
+}
+
 template <Terms kTerms>
 __attribute__((always_inline)) inline void TurnAndRaise(const float* __restrict x, const float* __restrict y,
                                                         const float* __restrict width_rad, float part,
@@ -240,9 +246,10 @@ __attribute__((always_inline)) inline void TurnAndRaise(const float* __restrict 
     const float height = up * raised.cosine + across * raised.sine;
     const float right = (x[i] * aside.cosine + y[i] * aside.sine) * level;
     const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * level;
-    world_x[i] = rotation[0] * right + rotation[1] * ahead + rotation[2] * height;
-    world_y[i] = rotation[3] * right + rotation[4] * ahead + rotation[5] * height;
-    world_z[i] = rotation[6] * right + rotation[7] * ahead + rotation[8] * height;
+    const float scale = ToUnit(right * right + ahead * ahead + height * height);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * height);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * height);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * height);
   }
 }
 
@@ -272,9 +279,10 @@ void TurnedDirections(const float* __restrict x, const float* __restrict y, cons
     const SmallTurn<Terms::kAll> aside(part * width_rad[i]);
     const float right = (x[i] * aside.cosine + y[i] * aside.sine) * across;
     const float ahead = (y[i] * aside.cosine - x[i] * aside.sine) * across;
-    world_x[i] = rotation[0] * right + rotation[1] * ahead + rotation[2] * up;
-    world_y[i] = rotation[3] * right + rotation[4] * ahead + rotation[5] * up;
-    world_z[i] = rotation[6] * right + rotation[7] * ahead + rotation[8] * up;
+    const float scale = ToUnit(right * right + ahead * ahead + up * up);
+    world_x[i] = scale * (rotation[0] * right + rotation[1] * ahead + rotation[2] * up);
+    world_y[i] = scale * (rotation[3] * right + rotation[4] * ahead + rotation[5] * up);
+    world_z[i] = scale * (rotation[6] * right + rotation[7] * ahead + rotation[8] * up);
   }
 }
 

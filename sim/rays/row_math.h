@@ -16,7 +16,7 @@ void Directions(const float* x, const float* y, float across, float up, const fl
                 float* world_x, float* world_y, float* world_z);
 
 // As Directions, but first turns each vector to the right by part x width_rad[i]. The angle is within half a
-// radian. (x[i], y[i]) and (across, up) have length 1, so that nothing has to be normalised.
+// radian. (x[i], y[i]) and (across, up) have length 1.
 void TurnedDirections(const float* x, const float* y, const float* width_rad, float part, float across,
                       float up, const float* rotation, int count, float* world_x, float* world_y,
                       float* world_z);

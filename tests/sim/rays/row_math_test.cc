@@ -316,7 +316,7 @@ TEST(RowMath, WideSumsAreSumsForEachPlaceAndWeight) {
 }
 
 template <typename T>
-void ExpectDotsOfSums() {
+void ExpectDotsToBeSums() {
   constexpr int kCount = 37;
   std::vector<T> weight(kCount);
   std::vector<T> other(kCount);
@@ -348,8 +348,8 @@ void ExpectDotsOfSums() {
 }
 
 TEST(RowMath, DotsAreSumsOfEachRowByEachWeight) {
-  ExpectDotsOfSums<double>();
-  ExpectDotsOfSums<float>();
+  ExpectDotsToBeSums<double>();
+  ExpectDotsToBeSums<float>();
 }
 
 TEST(RowMath, ALookupIsLinearBetweenTheValues) {
