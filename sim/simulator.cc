@@ -8,6 +8,7 @@
 #include "sim/acoustic/acoustic_frame.h"
 #include "sim/ghosts/ghost_power.h"
 #include "sim/paper/paper_frame.h"
+#include "sim/physics/display.h"
 
 namespace sonarcal::sim {
 namespace {
@@ -73,8 +74,8 @@ std::shared_ptr<const Simulator::Mirrors> Simulator::MirrorsOf(const ParameterSe
   return mirrors;
 }
 
-// Frames follow each other with the same parameters, so those of the last call are kept. They are made
-// without the lock, because a thread that waits for others may render another frame meanwhile.
+// Keeps the tables of the last parameters, because most calls have the same ones. Makes them without holding
+// the lock: a thread that waits in a parallel loop may start another frame, which needs the lock.
 std::shared_ptr<const ExpectedFrames> Simulator::ExpectedFramesOf(const ParameterSet& parameters) const {
   {
     const std::scoped_lock lock(shared_mutex_);
@@ -275,7 +276,7 @@ PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet&
   const std::vector<double> values = ExpectedPaperImage(
       sonarcal::sim::GatherEchoes(echoes, sonar_.axes), ImageGeometry(sonar_, absorption_db_per_m_),
       PaperParametersFor(parameters, echoes.material_names));
-  PolarImage image{sonar_.axes, PaperScale(parameters.display, options_.full_scale()),
+  PolarImage image{sonar_.axes, GreyScale(parameters.display, options_.full_scale()),
                    Grid<float>(sonar_.axes.range_bins, sonar_.axes.beam_count())};
   for (std::size_t i = 0; i < values.size(); ++i) {
     image.value.values()[i] = static_cast<float>(values[i] * options_.full_scale());

@@ -61,7 +61,7 @@ class Simulator {
   // Echoes of a pose: geometry only.
   EchoList TraceEchoes(const Pose& world_from_sonar) const;
 
-  // Those echoes, gathered by pixel.
+  // Echoes of a pose, gathered by pixel.
   EchoHistogram GatherEchoes(const Pose& world_from_sonar) const;
 
   // Multipath echoes of a pose, by the materials that the parameters declare as mirrors. If the scene has no

@@ -24,9 +24,8 @@ inline void KeepFreedMemory() {
 #endif
 }
 
-// Gives large blocks back at once. For commands whose large blocks have all sizes, so that the gaps between
-// kept ones are of little use: a calibration with 1.2 GB in use held 2.5 GB, and holds 1.4 GB this way in the
-// same processor time.
+// Returns large blocks to the system as soon as they are freed. For commands that allocate large blocks of
+// many sizes: the gaps between them can seldom be used again (docs/benchmarks.md has figures).
 inline void ReturnLargeBlocks() {
 #ifdef __GLIBC__
   constexpr int kMiB = 1 << 20;

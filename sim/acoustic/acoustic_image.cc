@@ -17,6 +17,7 @@
 #include "sim/acoustic/azimuth_filter.h"
 #include "sim/acoustic/beam_noise.h"
 #include "sim/physics/beam_and_pulse.h"
+#include "sim/physics/display.h"
 #include "sim/physics/receiver.h"
 #include "sim/physics/speckle.h"
 #include "sim/rays/row_math.h"
@@ -186,14 +187,6 @@ auto AsShown(const DisplayParameters<double>& display) {
 }
 
 }  // namespace
-
-ImageScale GreyScale(const DisplayParameters<double>& display, double full_scale) {
-  return {.quantity = Quantity::kGrey,
-          .full_scale = full_scale,
-          .db_min = display.db_min,
-          .db_max = display.db_max,
-          .db_span = {}};
-}
 
 std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters) {
   std::vector<double> gain;

@@ -54,9 +54,6 @@ struct PulsedMap {
   std::vector<double> column_azimuth_rad;
 };
 
-// Scale of an image of grey levels by a display.
-ImageScale GreyScale(const DisplayParameters<double>& display, double full_scale);
-
 // Time-varying gain of each range bin, a factor on power.
 std::vector<double> GainByBin(const AcousticGeometry& geometry, const ParameterSet& parameters);
 

@@ -8,8 +8,8 @@
 
 namespace sonarcal::sim {
 
-// T: float or double, the precision of the sums. Sums of powers need no more than a float's, because no term
-// is negative.
+// T: float or double, the precision of the sums. Single precision suffices for powers, because no term of
+// their sums is negative.
 template <typename T>
 class AzimuthFilter {
  public:

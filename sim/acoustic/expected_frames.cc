@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "sim/physics/display.h"
+
 namespace sonarcal::sim {
 
 ExpectedFrames::ExpectedFrames(const RayCaster& caster, const RayFan& fan, const AcousticGeometry& geometry,

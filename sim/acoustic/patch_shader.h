@@ -41,9 +41,9 @@ class PatchShader {
   Patch Shade(int row, int col, int material, float range_m, float half_tangent) const;
 
  private:
-  // Elevation weight of a row, a + b o + c o^2 at elevation offset o, times the height of the row.
+  // Elevation weight of a row times the height of the row: a + b o + c o^2 at the elevation offset o.
   struct RowCurve {
-    bool holds = false;  // over the whole row; otherwise only the table does
+    bool holds = false;  // whether it agrees with the table over the whole row
     float a = 0.0F;
     float b = 0.0F;
     float c = 0.0F;

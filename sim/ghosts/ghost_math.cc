@@ -14,7 +14,7 @@ void Powers(const Echoes& echoes, float loss_per_m, int count, float* __restrict
   constexpr auto kGrazing = static_cast<float>(std::numeric_limits<double>::epsilon());
   float cosine[Echoes::kMax];
   float slow[Echoes::kMax];
-  // Loops of their own, because the compiler makes no vectors of a loop with several such functions.
+  // Separate loops, because the compiler does not vectorise a loop that calls several of these functions.
   for (int i = 0; i < count; ++i) cosine[i] = std::cos(echoes.incidence_rad[i]);
   for (int i = 0; i < count; ++i) slow[i] = cosine[i] * std::cos(echoes.other_incidence_rad[i]);
   for (int i = 0; i < count; ++i) {

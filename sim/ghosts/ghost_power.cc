@@ -121,9 +121,7 @@ GhostPower::GhostPower(const std::vector<std::string>& material_names, const Aco
   }
   for (const std::string& name : material_names) {
     const auto mirror = parameters.mirrors.find(name);
-    loss_db_.push_back(mirror == parameters.mirrors.end() ? std::numeric_limits<double>::infinity()
-                                                          : mirror->second.loss_db);
-    factor_.push_back(single(PowerFromDb(-loss_db_.back())));
+    reflected_.push_back(mirror == parameters.mirrors.end() ? 0.0 : PowerFromDb(-mirror->second.loss_db));
   }
 }
 
@@ -169,12 +167,12 @@ EchoPath GhostPower::PathOf(const GhostEcho& echo) const {
   return path;
 }
 
-double GhostPower::MirrorLossDb(const GhostLeg& leg) const {
-  double loss_db = 0.0;
+double GhostPower::MirrorFactor(const GhostLeg& leg) const {
+  double factor = 1.0;
   for (const std::uint16_t mirror : leg.mirror) {
-    if (mirror != kNoMirror) loss_db += loss_db_[mirror];
+    if (mirror != kNoMirror) factor *= reflected_[mirror];
   }
-  return loss_db;
+  return factor;
 }
 
 double GhostPower::UnitOneWay(const GhostEcho& echo) const {
@@ -188,17 +186,7 @@ double GhostPower::OneWay(const GhostEcho& echo) const {
       echo.both_ways ? GsabBetweenPower(gsab, incidence_deg, DegFromRad(double{echo.other.incidence_rad}),
                                         DegFromRad(double{echo.tilt_rad}))
                      : GsabPower(gsab, incidence_deg);
-  EchoPath path = PathOf(echo);
-  path.loss_db += MirrorLossDb(echo.leg) + MirrorLossDb(echo.other);
-  return model_.Power(path, scattered);
-}
-
-float GhostPower::MirrorFactor(const GhostLeg& leg) const {
-  float factor = 1.0F;
-  for (const std::uint16_t mirror : leg.mirror) {
-    if (mirror != kNoMirror) factor *= factor_[mirror];
-  }
-  return factor;
+  return model_.Power(PathOf(echo), scattered) * MirrorFactor(echo.leg) * MirrorFactor(echo.other);
 }
 
 std::vector<double> GhostPower::OneWays(std::span<const GhostEcho> echoes) const {
@@ -209,10 +197,11 @@ std::vector<double> GhostPower::OneWays(std::span<const GhostEcho> echoes) const
     const double width_rad = RadFromDeg(double{width_deg});
     return static_cast<float>(0.5 / (width_rad * width_rad));
   };
-  std::vector<GsabParameters<float>> curves = curves_;  // widths as factors of the square of an angle
-  for (GsabParameters<float>& curve : curves) {
-    curve.b_deg = per_square(curve.b_deg);
-    curve.f_deg = per_square(curve.f_deg);
+  std::vector<float> per_b;  // per material
+  std::vector<float> per_f;
+  for (const GsabParameters<float>& curve : curves_) {
+    per_b.push_back(per_square(curve.b_deg));
+    per_f.push_back(per_square(curve.f_deg));
   }
   std::vector<double> powers(echoes.size());
   Echoes some;
@@ -221,8 +210,9 @@ std::vector<double> GhostPower::OneWays(std::span<const GhostEcho> echoes) const
     const int count = static_cast<int>(std::min<std::size_t>(Echoes::kMax, echoes.size() - first));
     for (int i = 0; i < count; ++i) {
       const GhostEcho& echo = echoes[first + i];
-      const GsabParameters<float>& curve = curves[echo.material];
-      some.weight[i] = echo.solid_angle_sr * MirrorFactor(echo.leg) * MirrorFactor(echo.other);
+      const GsabParameters<float>& curve = curves_[echo.material];
+      some.weight[i] =
+          static_cast<float>(echo.solid_angle_sr * MirrorFactor(echo.leg) * MirrorFactor(echo.other));
       some.elevation_power[i] = static_cast<float>(ElevationPower(echo.leg.elevation_rad) *
                                                    ElevationPower(echo.other.elevation_rad));
       some.length_m[i] = echo.leg.length_m + echo.other.length_m;
@@ -231,11 +221,11 @@ std::vector<double> GhostPower::OneWays(std::span<const GhostEcho> echoes) const
       some.other_incidence_rad[i] = echo.other.incidence_rad;
       some.tilt_rad[i] = echo.tilt_rad;
       some.a[i] = curve.a;
-      some.per_b[i] = curve.b_deg;
+      some.per_b[i] = per_b[echo.material];
       some.c[i] = curve.c;
       some.half_d[i] = 0.5F * curve.d;
       some.e[i] = curve.e;
-      some.per_f[i] = curve.f_deg;
+      some.per_f[i] = per_f[echo.material];
     }
     ghost_math::Powers(some, loss_per_m, count, power);
     for (int i = 0; i < count; ++i) powers[first + i] = level * power[i];

@@ -83,8 +83,8 @@ class GhostPower {
  private:
   double LossDb(const GhostLeg& leg) const;
   EchoPath PathOf(const GhostEcho& echo) const;
-  double MirrorLossDb(const GhostLeg& leg) const;
-  float MirrorFactor(const GhostLeg& leg) const;
+  // Share of the power that the mirrors of a leg reflect.
+  double MirrorFactor(const GhostLeg& leg) const;
   double ElevationPower(double elevation_rad) const;
   // Response at the mean azimuth to an echo at `azimuth_rad`; 0 if negligible.
   double InCommon(float azimuth_rad, float middle_rad) const;
@@ -96,8 +96,7 @@ class GhostPower {
   std::vector<double> elevation_table_;  // over -90 .. 90 degrees; empty: not tabulated
   double elevation_width_deg_;
   double negligible_beyond_rad_ = 0.0;  // difference of azimuths beyond which InCommon is 0
-  std::vector<double> loss_db_;         // per material, of one reflection; infinity if it is no mirror
-  std::vector<float> factor_;           // the same as a factor on power
+  std::vector<double> reflected_;       // per material, share of the power; 0 if it is no mirror
 };
 
 // Grid of a fan's columns and fine rows of range. An arrival is shared between the two nearest columns and

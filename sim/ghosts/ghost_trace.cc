@@ -471,7 +471,7 @@ GhostList TraceGhosts(const RayCaster& caster, const MirrorSurface& mirrors, con
 
   FanHits hits;
   if (!options.spots_seed) hits = caster.Cast(fan, world_from_sonar, 2.0 * options.range_max_m);
-  // A few rows together need fewer blocks of memory, whose pool the threads share, and still fit the cache.
+  // All threads allocate from one pool. A few rows together need fewer allocations and still fit the cache.
   constexpr int kRowsTogether = 4;
   std::vector<std::vector<GhostEcho>> parts((fan.rows() + kRowsTogether - 1) / kRowsTogether);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {

@@ -169,23 +169,20 @@ EchoHistogram GatherEchoes(const EchoList& echoes, const PolarAxes& axes) {
 EchoHistogram CastEchoHistogram(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                                 const PolarAxes& axes) {
   const auto cols = static_cast<std::size_t>(fan.cols());
-  // Echoes of a row stand at the places of its first rays until those of all rows are counted.
+  // The echoes of a row begin at the index of its first ray. They are joined when all rows are counted.
   std::vector<std::uint32_t> ray(fan.size());
   std::vector<std::uint16_t> material(fan.size());
   std::vector<float> range_m(fan.size());
   std::vector<float> half_tangent(fan.size());
   std::vector<std::size_t> row_start(fan.rows() + 1, 0);
-  const auto nearest_m = static_cast<float>(axes.range_min_m);
-  const auto farthest_m = static_cast<float>(axes.range_max_m);
   caster.CastRows(fan, world_from_sonar, axes.range_max_m, [&](const RowHits& hits) {
     const std::size_t first = static_cast<std::size_t>(hits.row) * cols;
     std::size_t at = first;
     for (int i = 0; i < hits.count; ++i) {
-      const float range = hits.range_m[i];
-      if (!(range > 0.0F && range >= nearest_m && range < farthest_m)) continue;
+      if (!IsEcho(hits.range_m[i], axes)) continue;
       ray[at] = static_cast<std::uint32_t>(first + static_cast<std::size_t>(hits.col[i]));
       material[at] = hits.material[i];
-      range_m[at] = range;
+      range_m[at] = hits.range_m[i];
       half_tangent[at] = hits.half_tangent[i];
       ++at;
     }
@@ -193,8 +190,8 @@ EchoHistogram CastEchoHistogram(const RayCaster& caster, const RayFan& fan, cons
   });
   for (int row = 0; row < fan.rows(); ++row) row_start[row + 1] += row_start[row];
 
-  // All of a list but what a histogram does not keep.
-  EchoList echoes;
+  // Elevations and solid angles stay empty, because a histogram does not use them.
+  EchoList echoes = EmptyEchoList(fan, caster.material_names());
   const std::size_t count = row_start.back();
   echoes.ray.resize(count);
   echoes.material.resize(count);
@@ -202,10 +199,6 @@ EchoHistogram CastEchoHistogram(const RayCaster& caster, const RayFan& fan, cons
   echoes.azimuth_rad.resize(count);
   echoes.incidence_rad.resize(count);
   if (!fan.weighs_evenly()) echoes.weight.resize(count);
-  echoes.cols = fan.cols();
-  for (int col = 0; col < fan.cols(); ++col) echoes.beam_of_column.push_back(fan.BeamOfColumn(col));
-  echoes.rays_per_beam = fan.rays_per_beam();
-  echoes.material_names = caster.material_names();
   const std::vector<float> ones(cols, 1.0F);
   tbb::parallel_for(tbb::blocked_range<int>(0, fan.rows(), 16), [&](const tbb::blocked_range<int>& rows) {
     std::vector<float> azimuth_rad(cols);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/math/random.h"
+#include "sim/physics/display.h"
 #include "sim/physics/jitter.h"
 
 namespace sonarcal::sim {
@@ -19,17 +20,9 @@ constexpr double kFixedPoint = 0x1p40;
 
 }  // namespace
 
-ImageScale PaperScale(const DisplayParameters<double>& display, double full_scale) {
-  return {.quantity = Quantity::kGrey,
-          .full_scale = full_scale,
-          .db_min = display.db_min,
-          .db_max = display.db_max,
-          .db_span = {}};
-}
-
 PolarImage PaperImageOfSums(const Grid<std::int64_t>& sums, double steps_of_one, const PolarAxes& axes,
                             const DisplayParameters<double>& display, double full_scale) {
-  PolarImage image{axes, PaperScale(display, full_scale), Grid<float>(sums.rows(), sums.cols())};
+  PolarImage image{axes, GreyScale(display, full_scale), Grid<float>(sums.rows(), sums.cols())};
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const double value = static_cast<double>(sums.values()[i]) / steps_of_one;
     image.value.values()[i] = static_cast<float>(std::clamp(value, 0.0, 1.0) * full_scale);
@@ -87,7 +80,7 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
 }
 
 void QuantiseImage(PolarImage& image) {
-  // std::round by a conversion, which the compiler makes vectors of. Values are at least 0.
+  // std::round for values of at least 0, in a form that the compiler turns into vector instructions.
   for (float& value : image.value.values())
     value = static_cast<float>(static_cast<std::int32_t>(double{value} + 0.5));
 }

@@ -27,9 +27,6 @@ struct PaperImageOptions {
 // Upper limit of an echo, in units of the display's span. It bounds the fixed-point sums.
 inline constexpr double kLargestPaperEcho = 0x1p12;
 
-// Scale of the values of such an image.
-ImageScale PaperScale(const DisplayParameters<double>& display, double full_scale);
-
 // Image of sums of normalised echoes, each divided by the rays of its beam, in fixed-point steps.
 // `steps_of_one` steps are full scale.
 PolarImage PaperImageOfSums(const Grid<std::int64_t>& sums, double steps_of_one, const PolarAxes& axes,

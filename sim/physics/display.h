@@ -14,10 +14,20 @@
 #include <cmath>
 
 #include "core/types/error.h"
+#include "core/types/image.h"
 #include "core/types/parameters.h"
 #include "core/types/units.h"
 
 namespace sonarcal::sim {
+
+// Scale of an image of grey levels by a display.
+inline ImageScale GreyScale(const DisplayParameters<double>& display, double full_scale) {
+  return {.quantity = Quantity::kGrey,
+          .full_scale = full_scale,
+          .db_min = display.db_min,
+          .db_max = display.db_max,
+          .db_span = {}};
+}
 
 // Lower limit of power, far below any display.
 inline constexpr double kSilencePower = 1e-30;

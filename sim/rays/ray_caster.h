@@ -37,7 +37,7 @@ struct RowHits {
 template <typename OfRun>
 void ForEachMaterial(const RowHits& hits, OfRun&& of_run) {
   for (int first = 0; first < hits.count;) {
-    // Mostly one material to the end, which one comparison of the array with itself a place further shows.
+    // Most runs reach the end of the row. One comparison of neighbouring elements shows this.
     const std::uint16_t* material = hits.material + first;
     int end = hits.count;
     if (std::memcmp(material, material + 1, (end - first - 1) * sizeof *material) != 0) {

@@ -65,14 +65,21 @@ void TraceOptions::Check() const {
   if (!(jump_ratio > 0.0)) throw DataError("normals: jump ratio {}, expected a positive one", jump_ratio);
 }
 
+EchoList EmptyEchoList(const RayFan& fan, const std::vector<std::string>& material_names) {
+  EchoList echoes;
+  echoes.cols = fan.cols();
+  for (int col = 0; col < fan.cols(); ++col) echoes.beam_of_column.push_back(fan.BeamOfColumn(col));
+  echoes.rays_per_beam = fan.rays_per_beam();
+  echoes.material_names = material_names;
+  return echoes;
+}
+
 EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,
                const PolarAxes& axes, const TraceOptions& options) {
   options.Check();
   const FanHits hits = caster.Cast(fan, world_from_sonar, axes.range_max_m);
   const auto is_echo = [&](std::size_t ray) {
-    // A ray that starts on a surface hits it at range 0, where the transmission loss is undefined.
-    return hits.triangle[ray] >= 0 && hits.range_m[ray] > 0.0F && hits.range_m[ray] >= axes.range_min_m &&
-           hits.range_m[ray] < axes.range_max_m;
+    return hits.triangle[ray] >= 0 && IsEcho(hits.range_m[ray], axes);
   };
 
   // Counts the echoes of each row, then fills the list in place. The list is in the order of the rays on any
@@ -89,7 +96,7 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
   });
   for (int row = 0; row < fan.rows(); ++row) row_start[row + 1] += row_start[row];
 
-  EchoList echoes;
+  EchoList echoes = EmptyEchoList(fan, caster.material_names());
   const std::size_t count = row_start.back();
   echoes.ray.resize(count);
   echoes.material.resize(count);
@@ -98,11 +105,7 @@ EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_fro
   echoes.elevation_rad.resize(count);
   echoes.incidence_rad.resize(count);
   echoes.solid_angle_sr.resize(count);
-  echoes.cols = fan.cols();
-  for (int col = 0; col < fan.cols(); ++col) echoes.beam_of_column.push_back(fan.BeamOfColumn(col));
-  echoes.rays_per_beam = fan.rays_per_beam();
   if (!fan.weighs_evenly()) echoes.weight.resize(count);
-  echoes.material_names = caster.material_names();
 
   const Eigen::Matrix3f sonar_from_world =
       world_from_sonar.rotation.conjugate().toRotationMatrix().cast<float>();

@@ -53,6 +53,15 @@ struct EchoList {
   int Beam(std::size_t echo) const { return beam_of_column[ray[echo] % cols]; }
 };
 
+// List without echoes, with the properties of a fan and the materials of a scene.
+EchoList EmptyEchoList(const RayFan& fan, const std::vector<std::string>& material_names);
+
+// True if a hit at this range gives an echo. A ray that starts on a surface hits it at range 0, where the
+// transmission loss is undefined.
+inline bool IsEcho(float range_m, const PolarAxes& axes) {
+  return range_m > 0.0F && range_m >= axes.range_min_m && range_m < axes.range_max_m;
+}
+
 // Casts the fan and keeps the hits within the range window of `axes`. A hit nearer than the window gives no
 // echo, but it hides surfaces behind it.
 EchoList Trace(const RayCaster& caster, const RayFan& fan, const Pose& world_from_sonar,

@@ -16,13 +16,14 @@
 namespace sonarcal::testing {
 namespace {
 
-// Of 65,535, and the share of the pixels that may differ by more.
+// Allowed difference of a pixel, in grey levels of 65,535.
 constexpr float kFewLevels = 8.0F;
+// Allowed share of pixels that differ by more.
 constexpr double kMaxShareApart = 1e-3;
 
 struct Processor {
   const char* name;
-  const char* prefix;  // of the command
+  const char* prefix;  // words before the command
 
   friend std::ostream& operator<<(std::ostream& out, const Processor& processor) {
     return out << processor.name;
@@ -84,7 +85,7 @@ TEST_P(OtherProcessor, ImagesAreEqualToAFewLevelsOf65535) {
   }
 }
 
-// Fits to one recording must end at one optimum: no step or choice may hang on rounding.
+// All fits to a recording must end at the same optimum, so no decision may depend on rounding.
 TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardError) {
   for (const ParameterSet& truth : {TinyParameters(), TinyAcousticParameters()}) {
     SCOPED_TRACE(truth.model == EchoModel::kPaper ? "paper" : "acoustic");
@@ -122,7 +123,7 @@ TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardError) {
   }
 }
 
-// A kernel that the processor does not have is replaced by the best that it has.
+// If the processor does not support the named kernels, Embree uses the best ones that it supports.
 INSTANTIATE_TEST_SUITE_P(All, OtherProcessor,
                          ::testing::Values(Processor{"TracingByAvx512", "SONARCAL_EMBREE=isa=avx512"},
                                            Processor{"TracingBySse2", "SONARCAL_EMBREE=isa=sse2"},

@@ -34,13 +34,12 @@ class AcousticFrame : public ::testing::TestWithParam<Case> {
     set.beam.elevation_width_deg = GetParam().elevation_width_deg;
     return set;
   }
-  SonarModel sonar_ = FindSonarPreset("p900-45").sonar;
-  RayCaster caster_{MakeMockupTank()};
-  RayFan fan_{sonar_, GetParam().fan};
   PulsedMap Pulsed() const {
     return PulsedCaster(fan_, geometry_, Parameters(), caster_.material_names()).Cast(caster_, pose_);
   }
-
+  SonarModel sonar_ = FindSonarPreset("p900-45").sonar;
+  RayCaster caster_{MakeMockupTank()};
+  RayFan fan_{sonar_, GetParam().fan};
   Pose pose_ = MockupTankPoses(3)[1];
   AcousticGeometry geometry_{sonar_, kAlphaDbPerM};
 };

@@ -111,7 +111,7 @@ TEST_F(TankWithMirrors, GhostsBrightenTheExpectedImageAndNeverDarkenIt) {
   for (std::size_t i = 0; i < lost.size(); ++i) EXPECT_NEAR(lost.values()[i], without.values()[i], 1e-3);
 }
 
-// All orders and both kinds of echoes, a curve with all of its terms.
+// The list has echoes of both orders and of both kinds. The curve has all of its terms.
 TEST_F(TankWithMirrors, PowersOfManyEchoesAreThoseOfEach) {
   for (auto& [name, material] : parameters_.materials)
     material.gsab = {.a = 4.0, .b_deg = 3.0, .c = 0.2, .d = 1.7, .e = 0.9, .f_deg = 25.0};
