@@ -124,6 +124,8 @@ sonarcal_list_library(Embree LINKED_AS embree VERSION "${embree_VERSION}" PACKAG
   LICENCE Apache-2.0 HOME_PAGE https://embree.github.io)
 sonarcal_list_library(fmt LINKED_AS fmt::fmt VERSION "${fmt_VERSION}" PACKAGE fmt
   LICENCE "MIT WITH fmt-exception" HOME_PAGE https://fmt.dev)
+sonarcal_list_library(bzip2 LINKED_AS BZip2::BZip2 VERSION "${BZIP2_VERSION_STRING}" PACKAGE BZip2
+  LICENCE bzip2-1.0.6 HOME_PAGE https://sourceware.org/bzip2)
 sonarcal_list_library(libarchive LINKED_AS LibArchive::LibArchive VERSION "${LibArchive_VERSION}" PACKAGE LibArchive
   LICENCE BSD-2-Clause HOME_PAGE https://www.libarchive.org)
 sonarcal_list_library(libpng LINKED_AS PNG::PNG VERSION "${PNG_VERSION_STRING}" PACKAGE PNG
@@ -183,15 +185,6 @@ if(ceres_use STREQUAL "linked statically")
 endif()
 
 if(SONARCAL_WITH_ROS)
-  sonarcal_pkg_config_version(console_bridge_version "${ROSBAG_console_bridge_LIBRARY}" console_bridge)
-  sonarcal_list_library(console_bridge LINKED_AS "${ROSBAG_console_bridge_LIBRARY}"
-    VERSION "${console_bridge_version}" LICENCE BSD-3-Clause HOME_PAGE https://github.com/ros/console_bridge)
-  sonarcal_pkg_config_version(rosbag_version "${ROSBAG_STORAGE_LIBRARY}" rosbag_storage)
-  sonarcal_list_library(rosbag_storage LINKED_AS rosbag_storage::rosbag_storage VERSION "${rosbag_version}"
-    PACKAGE RosbagStorage LICENCE BSD-3-Clause HOME_PAGE https://github.com/ros/ros_comm)
-  sonarcal_pkg_config_version(roscpp_version "${ROSBAG_rostime_LIBRARY}" rostime)
-  sonarcal_list_library(roscpp_core LINKED_AS "${ROSBAG_rostime_LIBRARY}" VERSION "${roscpp_version}"
-    LICENCE BSD-3-Clause HOME_PAGE https://github.com/ros/roscpp_core)
   sonarcal_list_library(SQLite LINKED_AS SQLite::SQLite3 VERSION "${SQLite3_VERSION}" PACKAGE SQLite3
     LICENCE blessing HOME_PAGE https://www.sqlite.org)
 endif()

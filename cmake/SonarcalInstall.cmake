@@ -31,7 +31,6 @@ install(FILES
   ${PROJECT_BINARY_DIR}/sonarcalConfig.cmake
   ${PROJECT_BINARY_DIR}/sonarcalConfigVersion.cmake
   cmake/FindLZ4.cmake
-  cmake/FindRosbagStorage.cmake
   cmake/FindZstd.cmake
   cmake/SonarcalDependencies.cmake
   DESTINATION ${SONARCAL_PACKAGE_DIR} COMPONENT development)

@@ -92,7 +92,7 @@ file(STRINGS ${PROJECT_SOURCE_DIR}/scripts/packages.txt development_packages REG
 list(TRANSFORM development_packages REPLACE "^build " "")
 list(REMOVE_ITEM development_packages libcli11-dev libcpp-httplib-dev pybind11-dev python3-dev)
 if(NOT SONARCAL_WITH_ROS)
-  list(REMOVE_ITEM development_packages librosbag-storage-dev libsqlite3-dev)
+  list(REMOVE_ITEM development_packages libsqlite3-dev)
 endif()
 string(JOIN ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS ${development_packages})
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS cmake)

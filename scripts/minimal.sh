@@ -33,9 +33,9 @@ expect_refusal() {
   [[ "$output" == *"$sentence"* ]] || fail "sonarcal $1 says '$output', expected '$sentence'"
 }
 
-links_none_of 'rosbag|sqlite|httplib|opencv_(aruco|calib3d)' "$minimal/apps/sonarcal"
-printf '#ROSBAG V2.0\n' >"$work/empty.bag"
-expect_refusal 'built without ROS support' inspect "$work/empty.bag"
+links_none_of 'sqlite|httplib|opencv_(aruco|calib3d)' "$minimal/apps/sonarcal"
+printf 'SQLite format 3\0' >"$work/empty.db3"
+expect_refusal 'built without it (SONARCAL_WITH_ROS)' inspect "$work/empty.db3"
 "$minimal/apps/sonarcal" scenes --only tank --quiet --out "$work/tank"
 expect_refusal 'built without the live view' view --scene "$work/tank/tank.gltf" --sonar p900-45 --port 0
 say "The build without the optional parts is right."

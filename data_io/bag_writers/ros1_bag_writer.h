@@ -1,4 +1,4 @@
-// Writes recordings as bags of ROS 1, format 2.0. Uses librosbag and stores the message definitions, so
+// Writes recordings as bags of ROS 1, format 2.0. They contain the message definitions, so that
 // `rosbag info`, `rosbag play` and rqt_bag know the content.
 // The messages are those of data_io/bag_writers/recording_messages.h. Not contained in them: water, dB scale,
 // gain, and a full scale that differs from that of the bits.

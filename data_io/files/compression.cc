@@ -1,5 +1,6 @@
 #include "data_io/files/compression.h"
 
+#include <bzlib.h>
 #include <lz4frame.h>
 #include <unistd.h>
 #include <zstd.h>
@@ -79,6 +80,40 @@ class ZstdDecoder {
   std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context_;
 };
 
+class Bzip2Decoder {
+ public:
+  Bzip2Decoder() { Begin(); }
+  ~Bzip2Decoder() { BZ2_bzDecompressEnd(&stream_); }
+  Bzip2Decoder(const Bzip2Decoder&) = delete;
+  Bzip2Decoder& operator=(const Bzip2Decoder&) = delete;
+
+  Step Next(std::span<const std::byte> in, std::span<std::byte> out) {
+    const auto in_bytes = static_cast<unsigned>(std::min<std::size_t>(in.size(), kMaxStepBytes));
+    const auto out_bytes = static_cast<unsigned>(std::min<std::size_t>(out.size(), kMaxStepBytes));
+    // The library reads through this pointer only.
+    stream_.next_in = const_cast<char*>(reinterpret_cast<const char*>(in.data()));
+    stream_.avail_in = in_bytes;
+    stream_.next_out = reinterpret_cast<char*>(out.data());
+    stream_.avail_out = out_bytes;
+    const int result = BZ2_bzDecompress(&stream_);
+    if (result != BZ_OK && result != BZ_STREAM_END)
+      return {.fault = result == BZ_MEM_ERROR ? "bzip2 has no memory" : "no valid bzip2 data"};
+    if (result == BZ_STREAM_END) {
+      BZ2_bzDecompressEnd(&stream_);
+      Begin();
+    }
+    return {in_bytes - stream_.avail_in, out_bytes - stream_.avail_out, result == BZ_STREAM_END, nullptr};
+  }
+
+ private:
+  static constexpr std::size_t kMaxStepBytes = 1 << 30;  // counts of bytes are unsigned int
+
+  // Keeps the counts of bytes of the last step.
+  void Begin() { SONARCAL_CHECK(BZ2_bzDecompressInit(&stream_, 0, 0) == BZ_OK, "bzip2 has no memory"); }
+
+  bz_stream stream_ = {};
+};
+
 // Returns 0, or the number of the error.
 int WriteAll(int descriptor, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
@@ -137,6 +172,8 @@ Inflated Inflate(Codec codec, std::span<const std::byte> packed, std::uint64_t m
       return InflateWith<Lz4Decoder&>(*std::make_unique<Lz4Decoder>(), packed, max_bytes);
     case Codec::kZstd:
       return InflateWith<ZstdDecoder&>(*std::make_unique<ZstdDecoder>(), packed, max_bytes);
+    case Codec::kBzip2:
+      return InflateWith<Bzip2Decoder&>(*std::make_unique<Bzip2Decoder>(), packed, max_bytes);
     case Codec::kNone:
       break;
   }
@@ -146,18 +183,36 @@ Inflated Inflate(Codec codec, std::span<const std::byte> packed, std::uint64_t m
 }
 
 std::vector<std::byte> Compress(Codec codec, std::span<const std::byte> bytes) {
-  if (codec == Codec::kNone) return {bytes.begin(), bytes.end()};
-  const bool is_lz4 = codec == Codec::kLz4;
-  std::vector<std::byte> packed(is_lz4 ? LZ4F_compressFrameBound(bytes.size(), nullptr)
-                                       : ZSTD_compressBound(bytes.size()));
-  const std::size_t size =
-      is_lz4 ? LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr)
-             : ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
-  if (is_lz4 ? LZ4F_isError(size) != 0 : ZSTD_isError(size) != 0) {
-    throw DataError("{} bytes cannot be compressed: {}", bytes.size(),
-                    is_lz4 ? LZ4F_getErrorName(size) : ZSTD_getErrorName(size));
+  std::vector<std::byte> packed;
+  const auto fail = [&](const char* why) {
+    throw DataError("{} bytes cannot be compressed: {}", bytes.size(), why);
+  };
+  switch (codec) {
+    case Codec::kNone:
+      packed.assign(bytes.begin(), bytes.end());
+      break;
+    case Codec::kLz4: {
+      LZ4F_preferences_t preferences = {};
+      preferences.frameInfo.blockMode = LZ4F_blockIndependent;
+      preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
+      packed.resize(LZ4F_compressFrameBound(bytes.size(), &preferences));
+      const std::size_t size =
+          LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), &preferences);
+      if (LZ4F_isError(size) != 0) fail(LZ4F_getErrorName(size));
+      packed.resize(size);
+      break;
+    }
+    case Codec::kZstd: {
+      packed.resize(ZSTD_compressBound(bytes.size()));
+      const std::size_t size =
+          ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), ZSTD_CLEVEL_DEFAULT);
+      if (ZSTD_isError(size) != 0) fail(ZSTD_getErrorName(size));
+      packed.resize(size);
+      break;
+    }
+    case Codec::kBzip2:
+      fail("bzip2 is only read");
   }
-  packed.resize(size);
   return packed;
 }
 

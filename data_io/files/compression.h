@@ -1,4 +1,4 @@
-// Compressed blocks of bytes: LZ4 frames and Zstandard frames, as MCAP and ROS 2 use them.
+// Compressed blocks of bytes: LZ4 frames, Zstandard frames and bzip2 streams, as bags of ROS use them.
 //
 // The output grows with the inflated bytes, up to the limit of the caller. A claimed size is never allocated
 // unchecked.
@@ -13,7 +13,7 @@
 
 namespace sonarcal::data_io {
 
-enum class Codec { kNone, kLz4, kZstd };
+enum class Codec { kNone, kLz4, kZstd, kBzip2 };
 
 // Bytes that came out of a block, and how the block ended.
 struct Inflated {
@@ -32,7 +32,8 @@ struct Inflated {
 // because of the content of `packed`.
 Inflated Inflate(Codec codec, std::span<const std::byte> packed, std::uint64_t max_bytes);
 
-// One frame. Throws DataError if the library fails.
+// One frame or stream. The blocks of an LZ4 frame do not depend on each other, which ROS 1 requires. Throws
+// DataError if the library fails.
 std::vector<std::byte> Compress(Codec codec, std::span<const std::byte> bytes);
 
 // True if the bytes begin with the magic number of a Zstandard frame, which has kZstdMagicBytes.

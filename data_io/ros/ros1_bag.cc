@@ -1,7 +1,5 @@
 #include "data_io/ros/ros1_bag.h"
 
-#include <rosbag/chunked_file.h>
-
 #include <algorithm>
 #include <map>
 #include <mutex>
@@ -11,6 +9,8 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 #include "data_io/files/byte_reader.h"
+#include "data_io/files/compression.h"
+#include "data_io/ros/ros1_records.h"
 #include "data_io/ros/ros_messages.h"
 
 namespace sonarcal::data_io {
@@ -18,19 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kVersion2 = "#ROSBAG V2.0\n";
 constexpr std::uint64_t kIndexEntryBytes = 12;
 constexpr std::uint64_t kMaxHeaderBytes = 1 << 16;       // a topic's name and a hundred bytes
 constexpr std::uint64_t kMaxConnectionBytes = 16 << 20;  // message definitions are long
-
-enum class Op : std::uint8_t {
-  kMessage = 2,
-  kBagHeader = 3,
-  kIndexData = 4,
-  kChunk = 5,
-  kChunkInfo = 6,
-  kConnection = 7,
-};
 
 // Fields "name=value", each after its u32 length. The bytes must outlive it.
 class Fields {
@@ -75,7 +65,7 @@ class Fields {
 };
 
 struct Record {
-  Op op;
+  Ros1Op op;
   Fields fields;
   std::uint64_t data_at = 0;  // position in the reader that parsed the record
   std::uint64_t data_bytes = 0;
@@ -100,7 +90,7 @@ Record ParseRecord(const ByteReader& reader, std::uint64_t at, std::uint64_t res
     throw DataError("{}: {}, of which {} are there", reader.Where(length_at, "length of the data"),
                     data_bytes, rest - std::min(rest, head_bytes));
   }
-  const auto op = static_cast<Op>(fields.U8("op"));
+  const auto op = static_cast<Ros1Op>(fields.U8("op"));
   return {op, std::move(fields), length_at + 4, data_bytes};
 }
 
@@ -119,7 +109,7 @@ std::vector<std::byte> HeadBytes(const fs::path& file, std::uint64_t offset, std
 struct Chunk {
   std::uint64_t data_offset = 0;  // position in the file
   std::uint64_t data_bytes = 0;
-  rosbag::CompressionType compression = rosbag::compression::Uncompressed;
+  Codec compression = Codec::kNone;
   std::uint32_t inflated_bytes = 0;
   bool has_index = false;
 };
@@ -129,34 +119,34 @@ struct Connection {
   std::string type;
 };
 
-rosbag::CompressionType CompressionOf(const std::string& name, const std::string& where) {
-  if (name == "none") return rosbag::compression::Uncompressed;
-  if (name == "bz2") return rosbag::compression::BZ2;
-  if (name == "lz4") return rosbag::compression::LZ4;
+Codec CompressionOf(const std::string& name, const std::string& where) {
+  if (name == "none") return Codec::kNone;
+  if (name == "bz2") return Codec::kBzip2;
+  if (name == "lz4") return Codec::kLz4;
   throw DataError("{}: compression '{}', expected none, bz2 or lz4", where, Printable(name));
 }
 
-// Replaces the packed bytes of a chunk by the inflated ones. Throws DataError if they are damaged.
-void Inflate(const Chunk& chunk, std::vector<std::byte>& bytes, const std::string& where) {
-  if (chunk.compression == rosbag::compression::Uncompressed) return;
-  std::vector<std::byte> inflated(chunk.inflated_bytes);
-  try {
-    rosbag::ChunkedFile().decompress(chunk.compression, reinterpret_cast<std::uint8_t*>(inflated.data()),
-                                     chunk.inflated_bytes, reinterpret_cast<std::uint8_t*>(bytes.data()),
-                                     static_cast<unsigned>(bytes.size()));
-  } catch (const std::exception& error) {
-    throw DataError("{}: the compressed chunk is damaged: {}", where, error.what());
+// Inflated bytes of a chunk. Throws DataError if they are damaged.
+std::vector<std::byte> InflatedBytes(const Chunk& chunk, std::span<const std::byte> packed,
+                                     const std::string& where) {
+  Inflated inflated = Inflate(chunk.compression, packed, chunk.inflated_bytes);
+  if (inflated.end == Inflated::End::kDamaged)
+    throw DataError("{}: the compressed chunk is damaged: {}", where, inflated.fault);
+  if (inflated.end != Inflated::End::kWhole || inflated.bytes.size() != chunk.inflated_bytes) {
+    throw DataError("{}: the compressed chunk is damaged: {} {} bytes, expected {}", where,
+                    inflated.end == Inflated::End::kMore ? "more than" : "only", inflated.bytes.size(),
+                    chunk.inflated_bytes);
   }
-  bytes = std::move(inflated);
+  return std::move(inflated.bytes);
 }
 
 class Ros1Bag final : public Bag {
  public:
   explicit Ros1Bag(const fs::path& path) : file_(path), file_bytes_(RegularFileSize(path)) {
     const std::vector<std::byte> magic =
-        FileBytes(0, std::min<std::uint64_t>(file_bytes_, kVersion2.size()), "magic number");
+        FileBytes(0, std::min<std::uint64_t>(file_bytes_, kRos1Magic.size()), "magic number");
     const std::string_view found(reinterpret_cast<const char*>(magic.data()), magic.size());
-    if (found != kVersion2) {
+    if (found != kRos1Magic) {
       throw DataError("{}: byte 0: '{}', expected \"#ROSBAG V2.0\" and a line's end", name(),
                       Printable(found));
     }
@@ -186,7 +176,7 @@ class Ros1Bag final : public Bag {
   std::vector<std::byte> Read(const BagMessage& message, std::uint64_t wanted_bytes) const override {
     const Chunk& chunk = chunks_.at(message.container);
     const auto at = static_cast<std::uint64_t>(message.position);
-    if (chunk.compression == rosbag::compression::Uncompressed) {
+    if (chunk.compression == Codec::kNone) {
       const std::uint64_t offset = chunk.data_offset + at;
       const std::uint64_t rest = chunk.data_bytes - at;
       const std::vector<std::byte> head = HeadBytes(file_, offset, rest);
@@ -210,14 +200,14 @@ class Ros1Bag final : public Bag {
   }
 
   void CheckMessage(const Record& record, std::uint64_t at) const {
-    if (record.op == Op::kMessage && record.data_bytes <= kMaxBagMessageBytes) return;
+    if (record.op == Ros1Op::kMessage && record.data_bytes <= kMaxBagMessageBytes) return;
     throw DataError("{}: byte {}: record of kind {} and {} bytes, expected a message of at most {}", name(),
                     at, static_cast<int>(record.op), record.data_bytes, kMaxBagMessageBytes);
   }
 
   // Reads the headers of all records.
   void Walk() {
-    std::uint64_t offset = kVersion2.size();
+    std::uint64_t offset = kRos1Magic.size();
     while (offset < file_bytes_) {
       const std::uint64_t rest = file_bytes_ - offset;
       try {
@@ -244,26 +234,25 @@ class Ros1Bag final : public Bag {
   void Take(const Record& record, std::uint64_t offset) {
     const std::string where = fmt::format("{}: byte {}", name(), offset);
     switch (record.op) {
-      case Op::kBagHeader:
+      case Ros1Op::kBagHeader:
         is_encrypted_ = record.fields.Has("encryptor") && !record.fields.Text("encryptor").empty();
         return;
-      case Op::kChunk: {
+      case Ros1Op::kChunk: {
         const Chunk chunk{.data_offset = offset + record.data_at,
                           .data_bytes = record.data_bytes,
                           .compression = CompressionOf(record.fields.Text("compression"), where),
                           .inflated_bytes = record.fields.U32("size")};
-        if (chunk.compression == rosbag::compression::Uncompressed &&
-            chunk.inflated_bytes != chunk.data_bytes) {
+        if (chunk.compression == Codec::kNone && chunk.inflated_bytes != chunk.data_bytes) {
           throw DataError("{}: a chunk of {} bytes that announces {}", where, chunk.data_bytes,
                           chunk.inflated_bytes);
         }
         chunks_.push_back(chunk);
         return;
       }
-      case Op::kIndexData:
+      case Ros1Op::kIndexData:
         TakeIndex(record, offset);
         return;
-      case Op::kConnection:
+      case Ros1Op::kConnection:
         if (record.data_bytes > kMaxConnectionBytes) {
           throw DataError("{}: a connection of {} bytes, expected at most {}", where, record.data_bytes,
                           kMaxConnectionBytes);
@@ -271,8 +260,8 @@ class Ros1Bag final : public Bag {
         TakeConnection(record, FileBytes(offset + record.data_at, record.data_bytes, "connection"),
                        offset + record.data_at);
         return;
-      case Op::kMessage:    // messages are in chunks
-      case Op::kChunkInfo:  // repeats the content of chunks and indices
+      case Ros1Op::kMessage:    // messages are in chunks
+      case Ros1Op::kChunkInfo:  // repeats the content of chunks and indices
         return;
     }
     throw DataError("{}: record of kind {}, expected 2..7", where, static_cast<int>(record.op));
@@ -328,7 +317,7 @@ class Ros1Bag final : public Bag {
       try {
         for (std::uint64_t at = 0; at < bytes->size();) {
           const Record record = ParseRecord(reader, at, bytes->size() - at);
-          if (record.op == Op::kConnection)
+          if (record.op == Ros1Op::kConnection)
             TakeConnection(record, reader.Bytes(record.data_at, record.data_bytes, "connection"), at);
           at = record.end();
         }
@@ -374,9 +363,8 @@ class Ros1Bag final : public Bag {
       throw DataError("{}: {} bytes, expected at most {}", ChunkName(chunk), chunk.inflated_bytes,
                       kMaxBagMessageBytes);
     }
-    std::vector<std::byte> bytes = FileBytes(chunk.data_offset, chunk.data_bytes, "chunk");
-    Inflate(chunk, bytes, ChunkName(chunk));
-    inflated_ = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+    inflated_ = std::make_shared<const std::vector<std::byte>>(
+        InflatedBytes(chunk, FileBytes(chunk.data_offset, chunk.data_bytes, "chunk"), ChunkName(chunk)));
     inflated_index_ = index;
     return inflated_;
   }

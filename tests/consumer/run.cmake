@@ -21,6 +21,6 @@ run(${consumer_build}/consumer ${consumer_build}/tank/params.json)
 run(${consumer_build}/simulation)
 execute_process(COMMAND readelf --dynamic ${consumer_build}/simulation
   OUTPUT_VARIABLE linked COMMAND_ERROR_IS_FATAL ANY)
-if(linked MATCHES "NEEDED[^\n]*(rosbag|sqlite|archive|lz4|yaml|zstd|tiff|png|imgcodecs)[^\n]*")
+if(linked MATCHES "NEEDED[^\n]*(bz2|sqlite|archive|lz4|yaml|zstd|tiff|png|imgcodecs)[^\n]*")
   message(FATAL_ERROR "A program of sonarcal::sim and sonarcal::metrics links a library of data_io: ${CMAKE_MATCH_0}")
 endif()

@@ -68,7 +68,7 @@ class BagTrajectoryTest : public ::testing::Test {
   std::filesystem::path Write(Wire wire, const std::vector<MadeUpMessage>& messages) {
     const auto path = dir_ / (wire == Wire::kRos1 ? "test.bag" : "test.db3");
     if (wire == Wire::kRos1) {
-      testing::WriteFile(path, testing::Ros1BagBytes(messages, {.compression = "lz4"}, dir_ / "scratch"));
+      testing::WriteFile(path, testing::Ros1BagBytes(messages, {.compression = "lz4"}));
     } else {
       testing::WriteRos2Bag(path, messages);
     }

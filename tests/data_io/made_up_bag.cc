@@ -1,12 +1,13 @@
 #include "tests/data_io/made_up_bag.h"
 
+#include <bzlib.h>
 #include <gtest/gtest.h>
-#include <rosbag/chunked_file.h>
+#include <lz4frame.h>
 #include <sqlite3.h>
+#include <zstd.h>
 
-#include <fstream>
 #include <map>
-#include <sstream>
+#include <stdexcept>
 #include <utility>
 
 namespace sonarcal::testing {
@@ -41,28 +42,31 @@ std::string Time(std::int64_t time_ns) {
          U32(static_cast<std::uint64_t>(time_ns % 1'000'000'000));
 }
 
-std::string Compressed(const std::string& bytes, const std::string& compression,
-                       const std::filesystem::path& scratch) {
-  if (compression == "none") return bytes;
-  {
-    rosbag::ChunkedFile file;
-    file.openWrite(scratch.string());
-    file.setWriteMode(compression == "bz2" ? rosbag::compression::BZ2 : rosbag::compression::LZ4);
-    std::string mutable_bytes = bytes;
-    file.write(mutable_bytes.data(), mutable_bytes.size());
-    file.setWriteMode(rosbag::compression::Uncompressed);
-    file.close();
-  }
-  std::ifstream stream(scratch, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
-std::string Ros1BagBytes(const std::vector<MadeUpMessage>& messages, const MadeUpRos1Bag& bag,
-                         const std::filesystem::path& scratch) {
+std::string PackedBytes(const std::string& bytes, const std::string& compression) {
+  std::string packed;
+  if (compression == "lz4") {
+    packed.resize(LZ4F_compressFrameBound(bytes.size(), nullptr));
+    packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr));
+  } else if (compression == "zstd") {
+    packed.resize(ZSTD_compressBound(bytes.size()));
+    packed.resize(ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1));
+  } else if (compression == "bz2") {
+    packed.resize(bytes.size() + bytes.size() / 100 + 600);  // never more, as the library's manual says
+    auto size = static_cast<unsigned>(packed.size());
+    std::string input = bytes;
+    const int result = BZ2_bzBuffToBuffCompress(packed.data(), &size, input.data(),
+                                                static_cast<unsigned>(input.size()), 9, 0, 0);
+    if (result != BZ_OK) throw std::runtime_error("bzip2");
+    packed.resize(size);
+  } else {
+    packed = bytes;
+  }
+  return packed;
+}
+
+std::string Ros1BagBytes(const std::vector<MadeUpMessage>& messages, const MadeUpRos1Bag& bag) {
   std::map<std::string, std::uint32_t> ids;
   std::string connections;
   std::string infos;
@@ -93,7 +97,7 @@ std::string Ros1BagBytes(const std::vector<MadeUpMessage>& messages, const MadeU
     }
     const std::uint64_t chunk_at = kMagicBytes + kBagHeaderBytes + body.size();
     body += RecordBytes(5, {{"compression", bag.compression}, {"size", U32(chunk.size())}},
-                        Compressed(chunk, bag.compression, scratch));
+                        PackedBytes(chunk, bag.compression));
     std::string counts;
     for (const auto& [id, entries] : index) {
       body +=

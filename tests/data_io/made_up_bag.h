@@ -15,6 +15,9 @@ struct MadeUpMessage {
   std::string bytes;
 };
 
+// Bytes as one frame or stream: "lz4", "zstd", "bz2", or anything else for the bytes themselves.
+std::string PackedBytes(const std::string& bytes, const std::string& compression);
+
 struct MadeUpRos1Bag {
   std::string compression = "none";
   std::size_t messages_a_chunk = 2;
@@ -22,9 +25,8 @@ struct MadeUpRos1Bag {
   bool encrypted = false;
 };
 
-// The bytes of a ROS 1 bag, format 2.0. `scratch` is a file that may be written.
-std::string Ros1BagBytes(const std::vector<MadeUpMessage>& messages, const MadeUpRos1Bag& bag,
-                         const std::filesystem::path& scratch);
+// The bytes of a ROS 1 bag, format 2.0.
+std::string Ros1BagBytes(const std::vector<MadeUpMessage>& messages, const MadeUpRos1Bag& bag);
 
 // Writes the tables of rosbag2 to `file`, with small pages so that tests reach many of them. Runs
 // `more_sql` at the end.

@@ -1,12 +1,9 @@
 #include "tests/data_io/made_up_mcap.h"
 
-#include <lz4frame.h>
 #include <zlib.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <map>
-#include <stdexcept>
 
 namespace sonarcal::testing {
 namespace {
@@ -80,19 +77,6 @@ std::string McapRecord(char kind, const std::string& content) {
   record += U64(content.size());
   record += content;
   return record;
-}
-
-std::string PackedBytes(const std::string& bytes, const std::string& compression) {
-  if (compression != "lz4" && compression != "zstd") return bytes;
-  const bool is_lz4 = compression == "lz4";
-  std::string packed(
-      is_lz4 ? LZ4F_compressFrameBound(bytes.size(), nullptr) : ZSTD_compressBound(bytes.size()), '\0');
-  const std::size_t size =
-      is_lz4 ? LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr)
-             : ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1);
-  if (is_lz4 ? LZ4F_isError(size) != 0 : ZSTD_isError(size) != 0) throw std::runtime_error("compression");
-  packed.resize(size);
-  return packed;
 }
 
 std::string McapBytes(const std::vector<MadeUpMessage>& messages, const MadeUpMcap& how,

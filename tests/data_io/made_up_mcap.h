@@ -35,7 +35,4 @@ std::string McapBytes(const std::vector<MadeUpMessage>& messages, const MadeUpMc
 // A record: kind, length and content.
 std::string McapRecord(char kind, const std::string& content);
 
-// Bytes as one frame: "lz4", "zstd", or anything else for the bytes themselves.
-std::string PackedBytes(const std::string& bytes, const std::string& compression);
-
 }  // namespace sonarcal::testing

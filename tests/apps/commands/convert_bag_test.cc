@@ -50,7 +50,7 @@ class ConvertBagTest : public ::testing::TestWithParam<Wire> {
       messages.push_back({"/tf", "tf2_msgs/TFMessage", time, Transform(wire, time, time - 100.0)});
     }
     if (wire == Wire::kRos1) {
-      testing::WriteFile(bag_, testing::Ros1BagBytes(messages, {.compression = "bz2"}, dir_ / "scratch"));
+      testing::WriteFile(bag_, testing::Ros1BagBytes(messages, {.compression = "bz2"}));
     } else {
       testing::WriteRos2Bag(bag_, messages);
     }

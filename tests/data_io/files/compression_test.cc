@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <memory>
 #include <random>
 
+#include "core/types/error.h"
+#include "tests/data_io/made_up_bag.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 
@@ -67,6 +70,45 @@ TEST(CompressionTest, TheEndOfABlockIsReported) {
     EXPECT_EQ(damaged.end, Inflated::End::kDamaged);
     EXPECT_FALSE(damaged.fault.empty());
   }
+}
+
+// Streams follow each other where bzip2 has compressed on several cores.
+TEST(CompressionTest, Bzip2StreamsAreRead) {
+  const std::vector<std::byte> bytes = SomeBytes(300'000);
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::string packed = testing::PackedBytes(text.substr(0, 1000), "bz2");
+  const std::size_t second = packed.size();
+  packed += testing::PackedBytes(text.substr(1000), "bz2");
+  const auto part = [&](std::size_t count) { return std::as_bytes(std::span(packed).first(count)); };
+  const Inflated whole = Inflate(Codec::kBzip2, part(packed.size()), bytes.size());
+  EXPECT_EQ(whole.end, Inflated::End::kWhole) << whole.fault;
+  EXPECT_EQ(whole.bytes, bytes);
+  EXPECT_EQ(Inflate(Codec::kBzip2, part(packed.size()), 1500).end, Inflated::End::kMore);
+  EXPECT_EQ(Inflate(Codec::kBzip2, part(second), bytes.size()).bytes.size(), 1000U);
+  EXPECT_EQ(Inflate(Codec::kBzip2, part(packed.size() - 1), bytes.size()).end, Inflated::End::kCut);
+  EXPECT_EQ(Inflate(Codec::kBzip2, {}, bytes.size()).end, Inflated::End::kCut);
+  packed[second + 40] ^= 1;
+  const Inflated damaged = Inflate(Codec::kBzip2, part(packed.size()), bytes.size());
+  EXPECT_EQ(damaged.end, Inflated::End::kDamaged);
+  EXPECT_EQ(damaged.fault, "no valid bzip2 data");
+  EXPECT_THROW(Compress(Codec::kBzip2, bytes), DataError);
+}
+
+// Made by librosbag-storage 1.15 and by its roslz4.compress, with the same bytes.
+TEST(CompressionTest, FramesOfRos1AreRead) {
+  constexpr unsigned char kFrame[] = {0x04, 0x22, 0x4d, 0x18, 0x64, 0x60, 0x85, 0x34, 0x00, 0x00, 0x00, 0x6f,
+                                      0x73, 0x6f, 0x6e, 0x61, 0x72, 0x20, 0x06, 0x00, 0x5f, 0xf0, 0x19, 0x00,
+                                      0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x09, 0x0a, 0x0b, 0x0c,
+                                      0x0d, 0x0e, 0x0f, 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17, 0x18,
+                                      0x19, 0x1a, 0x1b, 0x1c, 0x1d, 0x1e, 0x1f, 0x20, 0x21, 0x22, 0x23, 0x24,
+                                      0x25, 0x26, 0x27, 0x00, 0x00, 0x00, 0x00, 0xfe, 0xed, 0x5f, 0x1f};
+  std::string text;
+  for (int i = 0; i < 20; ++i) text += "sonar ";
+  for (char c = 0; c < 40; ++c) text += c;
+  const Inflated inflated = Inflate(Codec::kLz4, std::as_bytes(std::span(kFrame)), text.size());
+  EXPECT_EQ(inflated.end, Inflated::End::kWhole) << inflated.fault;
+  const auto expected = std::as_bytes(std::span(text));
+  EXPECT_TRUE(std::ranges::equal(inflated.bytes, expected));
 }
 
 // A window is that of the compression level, not that of the content.

@@ -34,7 +34,7 @@ std::vector<MadeUpMessage> Messages(Wire wire, int count) {
 class BagHostileTest : public ::testing::Test {
  protected:
   std::string Ros1(const testing::MadeUpRos1Bag& how, int messages = 4) {
-    return testing::Ros1BagBytes(Messages(Wire::kRos1, messages), how, dir_ / "scratch");
+    return testing::Ros1BagBytes(Messages(Wire::kRos1, messages), how);
   }
   std::string Ros2(const std::string& more_sql = "") {
     testing::WriteRos2Bag(dir_ / "test.db3", Messages(Wire::kCdrLittle, 4), more_sql);
@@ -105,8 +105,7 @@ TEST_F(BagHostileTest, MessagesWithAnyByteDamagedEndInOneSentence) {
       messages.push_back({"/sonar", type, 0, whole});  // the first, which describes the sonar
       const auto path = dir_ / "test.bag";
       if (wire == Wire::kRos1) {
-        testing::WriteFile(path,
-                           testing::Ros1BagBytes(messages, {.messages_a_chunk = 100}, dir_ / "scratch"));
+        testing::WriteFile(path, testing::Ros1BagBytes(messages, {.messages_a_chunk = 100}));
       } else {
         testing::WriteRos2Bag(path, messages);
       }

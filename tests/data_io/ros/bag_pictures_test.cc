@@ -54,8 +54,7 @@ class BagPicturesTest : public ::testing::Test {
     return testing::MessageOf([&] { Geometry(json); });
   }
   std::filesystem::path Write(const std::string& type, const std::string& bytes) {
-    testing::WriteFile(dir_ / "test.bag",
-                       testing::Ros1BagBytes({{"/image", type, 1, bytes}}, {}, dir_ / "scratch"));
+    testing::WriteFile(dir_ / "test.bag", testing::Ros1BagBytes({{"/image", type, 1, bytes}}, {}));
     return dir_ / "test.bag";
   }
 

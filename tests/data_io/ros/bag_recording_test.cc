@@ -38,7 +38,7 @@ class BagRecordingTest : public ::testing::Test {
                               const testing::MadeUpRos1Bag& how = {}) {
     const auto path = dir_ / (wire == Wire::kRos1 ? "test.bag" : "test.db3");
     if (wire == Wire::kRos1) {
-      testing::WriteFile(path, testing::Ros1BagBytes(messages, how, dir_ / "scratch"));
+      testing::WriteFile(path, testing::Ros1BagBytes(messages, how));
     } else {
       testing::WriteRos2Bag(path, messages);
     }
@@ -305,7 +305,7 @@ TEST_F(BagRecordingTest, ABagThatWasCutOffIsReadAsFarAsItGoes) {
     messages.push_back({"/sonar", kProjectedType, i, MadeUpProjected{}.Write(Wire::kRos1)});
   for (const std::string compression : {"none", "bz2", "lz4"}) {
     const std::string bytes =
-        testing::Ros1BagBytes(messages, {.compression = compression, .with_end = false}, dir_ / "scratch");
+        testing::Ros1BagBytes(messages, {.compression = compression, .with_end = false});
     testing::WriteFile(dir_ / "cut.bag", bytes.substr(0, bytes.size() - 30));
     const auto recording = OpenRecording(dir_ / "cut.bag");
     EXPECT_EQ(recording->frame_count(), 4) << compression;
