@@ -1,19 +1,48 @@
 #!/usr/bin/env bash
-# Builds and tests the committed tree on Debian 13, in a root folder of its own. Needs root, debootstrap and git.
+# Builds and tests the committed tree on another system, in a root folder of its own. Needs root, debootstrap and
+# git.
 #
-#   scripts/debian13.sh [--root DIR] [--quick | -- ARGUMENTS OF CTEST]
-#     --root DIR  the folder of the Debian 13 system (default: ~/.cache/sonarcal/debian13). It is made if it is
-#                 absent, and kept: a second run installs and builds only what has changed.
-#     --quick     only `scripts/test.sh --quick`
-#     --          only `scripts/test.sh` with these arguments
+#   scripts/other_system.sh debian13|ubuntu24.04 [--root DIR] [--unverified] [--quick | -- ARGUMENTS OF CTEST]
+#     --root DIR    the folder of the system (default: ~/.cache/sonarcal/<system>). It is made if it is absent, and
+#                   kept: a second run installs and builds only what has changed.
+#     --unverified  do not check the signature of the package server, where its keys are not installed
+#     --quick       only `scripts/test.sh --quick`
+#     --            only `scripts/test.sh` with these arguments
 #   Otherwise it runs both commands of the README: `scripts/demo.sh report` and `scripts/test.sh`.
 #
-# SONARCAL_DEBIAN_MIRROR names another Debian server. SONARCAL_RECORDINGS is passed on, read-only.
+# SONARCAL_MIRROR names another package server. SONARCAL_RECORDINGS is passed on, read-only.
 
 # shellcheck source=scripts/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-system="${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/sonarcal/debian13"
+name="${1:-}"
+case "$name" in
+  debian13)
+    release=trixie
+    mirror=http://deb.debian.org/debian
+    components=main
+    keys=()  # debootstrap finds Debian's itself
+    bootstrap_script=sid
+    issue="Debian GNU/Linux 13"
+    ;;
+  ubuntu24.04)
+    release=noble
+    mirror=http://archive.ubuntu.com/ubuntu
+    components="main,universe"
+    keys=(--keyring=/usr/share/keyrings/ubuntu-archive-keyring.gpg)
+    bootstrap_script=gutsy  # that of every release of Ubuntu since
+    issue="Ubuntu 24.04"
+    ;;
+  -h | --help)
+    sed -n '2,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    exit 0
+    ;;
+  *) fail "system '$name', expected debian13 or ubuntu24.04" ;;
+esac
+arguments=("$@")
+shift
+
+system="${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/sonarcal/$name"
 commands=(demo test)
 test_arguments=()
 while (($# > 0)); do
@@ -22,6 +51,10 @@ while (($# > 0)); do
       [[ -n "${2:-}" ]] || fail "--root needs a folder"
       system="$2"
       shift 2
+      ;;
+    --unverified)
+      keys=(--no-check-gpg)
+      shift
       ;;
     --quick)
       commands=(test)
@@ -34,11 +67,7 @@ while (($# > 0)); do
       test_arguments=("$@")
       break
       ;;
-    -h | --help)
-      sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
-      exit 0
-      ;;
-    *) fail "unknown argument '$1', expected --root, --quick or --" ;;
+    *) fail "unknown argument '$1', expected --root, --unverified, --quick or --" ;;
   esac
 done
 
@@ -47,26 +76,21 @@ command -v git >/dev/null || fail "there is no git: install git"
 
 # Mounts are made in a mount namespace of this process: they end with it, however it ends.
 if [[ -z "${SONARCAL_OWN_MOUNTS:-}" ]]; then
-  arguments=(--root "$system")
-  case "${commands[*]},${test_arguments[*]:-}" in
-    test,--quick) arguments+=(--quick) ;;
-    test,*) arguments+=(-- "${test_arguments[@]}") ;;
-  esac
   SONARCAL_OWN_MOUNTS=1 exec unshare --mount --propagation private -- "${BASH_SOURCE[0]}" "${arguments[@]}"
 fi
 
 make_system() {
   if [[ -e "$system" ]]; then
-    [[ "$(cat "$system/etc/debian_version" 2>/dev/null)" == 13* ]] || fail "$system is not a Debian 13 system"
+    grep -qs "^PRETTY_NAME=\"$issue" "$system/etc/os-release" || fail "$system does not hold $issue"
     return 0
   fi
   command -v debootstrap >/dev/null || fail "there is no debootstrap: install debootstrap"
   local unfinished="$system.unfinished"
   rm -rf "$unfinished"
   mkdir -p "$unfinished"
-  quietly "Making a Debian 13 system in $system" debootstrap --variant=minbase --include=ca-certificates \
-    trixie "$unfinished" "${SONARCAL_DEBIAN_MIRROR:-http://deb.debian.org/debian}" ||
-    fail "debootstrap failed, its last lines are above"
+  quietly "Making $issue in $system" debootstrap "${keys[@]}" --variant=minbase \
+    --components="$components" --include=ca-certificates "$release" "$unfinished" "${SONARCAL_MIRROR:-$mirror}" \
+    "$bootstrap_script" || fail "debootstrap failed, its last lines are above"
   mv "$unfinished" "$system"
 }
 
@@ -102,8 +126,8 @@ inside() {
 }
 
 passed_on=()
-for name in http_proxy https_proxy no_proxy; do
-  if [[ -n "${!name:-}" ]]; then passed_on+=("$name=${!name}"); fi
+for variable in http_proxy https_proxy no_proxy; do
+  if [[ -n "${!variable:-}" ]]; then passed_on+=("$variable=${!variable}"); fi
 done
 
 make_system
@@ -115,4 +139,4 @@ for command in "${commands[@]}"; do
     test) inside scripts/test.sh "${test_arguments[@]}" ;;
   esac
 done
-say "Debian $(cat "$system/etc/debian_version"): done."
+say "$issue: done."
