@@ -37,6 +37,7 @@ FOLDERS = [
     "metrics/task",
     "metrics/json",
     "sim/physics",
+    "sim/rays/row_math",
     "sim/rays",
     "sim/paper",
     "sim/acoustic",

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calib/models/power_likelihood.h"
-#include "sim/rays/vector_versions.h"
+#include "core/math/vector_versions.h"
 
 namespace sonarcal::calib::pixel_math {
 namespace {

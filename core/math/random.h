@@ -44,7 +44,7 @@ inline std::array<std::uint32_t, 2> Philox2(std::array<std::uint32_t, 2> counter
 }
 
 // Two independent standard normal numbers of a ray (Box-Muller), from two 32-bit words. Resolution 2^-32 in
-// probability, magnitude up to 6.7. sim/rays/row_math.h computes the same numbers in bulk.
+// probability, magnitude up to 6.7. sim/rays/row_math/errors.h computes the same numbers in bulk.
 inline std::pair<double, double> NormalPairOfRay(std::uint64_t seed, std::uint32_t ray) {
   const auto [first, second] =
       Philox2({ray, static_cast<std::uint32_t>(seed >> 32)}, static_cast<std::uint32_t>(seed));

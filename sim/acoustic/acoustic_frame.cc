@@ -9,6 +9,7 @@
 #include "sim/acoustic/patch_shader.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/patch.h"
+#include "sim/rays/row_math/sums.h"
 
 namespace sonarcal::sim {
 namespace {

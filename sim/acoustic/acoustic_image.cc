@@ -20,7 +20,7 @@
 #include "sim/physics/display.h"
 #include "sim/physics/receiver.h"
 #include "sim/physics/speckle.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/sums.h"
 
 namespace sonarcal::sim {
 namespace {

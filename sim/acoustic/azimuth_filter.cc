@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/sums.h"
 
 namespace sonarcal::sim {
 

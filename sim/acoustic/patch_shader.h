@@ -7,7 +7,7 @@
 
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/rays/ray_caster.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/echoes.h"
 
 namespace sonarcal::sim {
 

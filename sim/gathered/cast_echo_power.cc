@@ -18,7 +18,7 @@
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/fine_rows.h"
 #include "sim/physics/patch.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/echoes.h"
 
 namespace sonarcal::sim {
 namespace {

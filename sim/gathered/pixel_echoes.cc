@@ -12,7 +12,7 @@
 #include "core/types/error.h"
 #include "sim/acoustic/acoustic_frame.h"
 #include "sim/gathered/cast_echo_power.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/sums.h"
 
 namespace sonarcal::sim {
 namespace {

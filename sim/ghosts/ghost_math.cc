@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/vector_versions.h"
 #include "sim/physics/patch.h"
-#include "sim/rays/vector_versions.h"
 
 namespace sonarcal::sim::ghost_math {
 

@@ -1,5 +1,5 @@
 // Vectorised power of multipath echoes, in single precision. The formulas are those of GhostPower::OneWay;
-// tests compare the two. The source is compiled in two versions, as sim/rays/row_math.cc.
+// tests compare the two. The source is compiled in two versions (core/math/vector_versions.h).
 #pragma once
 
 namespace sonarcal::sim::ghost_math {

@@ -18,7 +18,7 @@
 #include "sim/physics/gsab.h"
 #include "sim/physics/patch.h"
 #include "sim/physics/propagation.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/sums.h"
 
 namespace sonarcal::sim {
 namespace {

@@ -12,7 +12,7 @@
 #include "core/types/error.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/beam_pattern.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/directions.h"
 
 namespace sonarcal::sim {
 namespace {

@@ -9,7 +9,8 @@
 #include "core/types/units.h"
 #include "sim/paper/image_geometry.h"
 #include "sim/physics/jitter.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/echoes.h"
+#include "sim/rays/row_math/errors.h"
 
 namespace sonarcal::sim {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "core/types/error.h"
 #include "sim/rays/embree_queries.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/directions.h"
 
 namespace sonarcal::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/types/error.h"
 #include "core/types/units.h"
-#include "sim/rays/row_math.h"
+#include "sim/rays/row_math/directions.h"
 
 namespace sonarcal::sim {
 namespace {

@@ -1,6 +1,4 @@
 // Rows in single precision against the formulas one at a time, in double.
-#include "sim/rays/row_math.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +15,10 @@
 #include "sim/acoustic/patch_shader.h"
 #include "sim/physics/patch.h"
 #include "sim/rays/ray_fan.h"
+#include "sim/rays/row_math/directions.h"
+#include "sim/rays/row_math/echoes.h"
+#include "sim/rays/row_math/errors.h"
+#include "sim/rays/row_math/sums.h"
 #include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal::sim {
@@ -392,11 +394,18 @@ TEST(RowMath, EchoPartsAreThoseOfFineRows) {
 TEST(RowMath, ASumWithAnEndlessTermIsEndless) {
   std::vector<double> a(37, 1.0);
   const std::vector<double> b(37, 2.0);
-  EXPECT_EQ(row_math::Dot(a.data(), b.data(), 37), 74.0);
+  const auto sum = [&] {
+    const double* const weights[] = {a.data(), a.data()};
+    const double* const values[row_math::kDots] = {b.data(), b.data(), b.data(), b.data()};
+    double sums[2 * row_math::kDots];
+    row_math::Dots(weights, values, 37, sums);
+    return sums[0];
+  };
+  EXPECT_EQ(sum(), 74.0);
   a[20] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(row_math::Dot(a.data(), b.data(), 37), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(sum(), std::numeric_limits<double>::infinity());
   a[3] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(std::isnan(row_math::Dot(a.data(), b.data(), 37)));
+  EXPECT_TRUE(std::isnan(sum()));
 }
 
 }  // namespace

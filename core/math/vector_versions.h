@@ -1,5 +1,5 @@
-// Compiles a function twice: for any processor, and for processors with AVX2 and FMA. The program selects a
-// version at start.
+// SONARCAL_VECTOR_VERSIONS compiles a function twice: for any processor, and for processors with AVX2 and
+// FMA. The program selects a version at start. Infinities and NaN keep their meaning in both.
 #pragma once
 
 // The version resolver runs before a sanitizer is initialised.
