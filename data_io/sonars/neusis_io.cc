@@ -124,7 +124,7 @@ Config ReadConfig(const fs::path& file) {
     std::optional<JsonReader> sonar;
     std::optional<JsonReader> pose;
     for (const JsonReader& sensor : agent.At("sensors").Items()) {
-      const std::string& type = sensor.At("sensor_type").String();
+      const std::string type = sensor.At("sensor_type").String();
       if (type == kImage && !sonar) sonar = sensor;
       if (type == kPose && !pose) pose = sensor;
     }
