@@ -196,8 +196,8 @@ if(SONARCAL_BUILD_APPS)
     sonarcal_pkg_config_version(httplib_version "${SONARCAL_HTTPLIB_LIBRARY}" cpp-httplib)
     sonarcal_list_library(cpp-httplib LINKED_AS "${SONARCAL_HTTPLIB_LIBRARY}" VERSION "${httplib_version}"
       LICENCE MIT HOME_PAGE https://github.com/yhirose/cpp-httplib)
-    file(READ ${SONARCAL_THREE_DIR}/build/three.min.js three_text)
-    string(REGEX MATCH "REVISION=\"([0-9]+)" three_text "${three_text}")
+    file(READ ${PROJECT_SOURCE_DIR}/apps/view/three/three.js three_text LIMIT 100)
+    string(REGEX MATCH "three.js ([0-9.]*[0-9])" three_text "${three_text}")
     sonarcal_list_library(three.js USE embedded VERSION "${CMAKE_MATCH_1}"
       LICENCE MIT HOME_PAGE https://threejs.org)
   endif()

@@ -1,6 +1,7 @@
 // The scene in 3D with the sonar in it: the mesh in the colours of its materials, what the sonar can see as a
 // wedge, and the simulated fan laid where it was seen. World: metres, Z up; sonar: X right, Y ahead, Z up.
-/* global THREE */
+
+import * as THREE from './three.js';
 
 // After Okabe and Ito, in an order that keeps neighbours apart; also the swatches of the parameters.
 export const kMaterialColours = ['#b8b2a7', '#56b4e9', '#e69f00', '#009e73', '#cc79a7', '#d55e00', '#0072b2',
@@ -51,17 +52,18 @@ export class World {
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(45, 1, 0.02, 2000);
     this.camera.up.set(0, 0, 1);
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x7788a0, 0.75));
-    const lamp = new THREE.DirectionalLight(0xffffff, 0.55);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x7788a0, 2.4));
+    const lamp = new THREE.DirectionalLight(0xffffff, 1.7);
     lamp.position.set(-0.4, 0.5, 1);
     lamp.target.position.set(0, 0, -1);
     this.camera.add(lamp, lamp.target);
     this.scene.add(this.camera);
     this.orbit = new THREE.OrbitControls(this.camera, canvas);
-    this.orbit.screenSpacePanning = true;
+    this.orbit.keyRotateSpeed = 10;
     this.orbit.addEventListener('change', () => this.draw());
     this.orbit.addEventListener('start', () => { this.place = ''; });  // the hand has it now
-    canvas.addEventListener('keydown', (event) => this.orbitByKey(event));
+    this.orbit.listenToKeyEvents(canvas);
+    canvas.addEventListener('keydown', (event) => this.comeNearer(event));
     this.sonar = new THREE.Group();
     this.sonar.matrixAutoUpdate = false;
     this.scene.add(this.sonar);
@@ -71,32 +73,19 @@ export class World {
     new ResizeObserver(() => this.resize()).observe(host);
   }
 
-  // OrbitControls shifts by the arrow keys; with Shift they turn, + and - come nearer and go away.
-  orbitByKey(event) {
-    const turns = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]};
-    const away = {'+': 0.9, '-': 1 / 0.9}[event.key];
-    const offset = this.camera.position.clone().sub(this.orbit.target);
-    if (away) {
-      offset.multiplyScalar(away);
-    } else if (event.shiftKey && event.key in turns) {
-      const [about, up] = turns[event.key];
-      const polar = Math.min(3.1, Math.max(0.04, Math.acos(offset.z / offset.length()) + up));
-      const length = offset.length();
-      const azimuth = Math.atan2(offset.y, offset.x) + about;
-      offset.setFromSphericalCoords(length, polar, 0);  // about Y
-      offset.set(offset.z * Math.cos(azimuth), offset.z * Math.sin(azimuth), offset.y);
-    } else {
-      return;
-    }
+  // By + and -. OrbitControls shifts by the arrow keys, and turns by them with Shift.
+  comeNearer(event) {
+    const factor = {'+': 0.9, '-': 1 / 0.9}[event.key];
+    if (!factor) return;
     event.preventDefault();
     event.stopPropagation();
-    this.camera.position.copy(this.orbit.target).add(offset);
+    this.camera.position.sub(this.orbit.target).multiplyScalar(factor).add(this.orbit.target);
     this.orbit.update();
     this.draw();
   }
 
   addBody() {
-    const body = new THREE.Mesh(new THREE.BoxBufferGeometry(0.22, 0.3, 0.16),
+    const body = new THREE.Mesh(new THREE.BoxGeometry(0.22, 0.3, 0.16),
                                 new THREE.MeshLambertMaterial({color: 0xd55e00}));
     body.position.set(0, -0.15, 0);
     this.sonar.add(body);
@@ -192,6 +181,7 @@ export class World {
       if (this.texture) this.texture.dispose();
       this.texture = new THREE.DataTexture(bytes, beams, bins, THREE.RGBAFormat);
       this.texture.magFilter = this.texture.minFilter = THREE.LinearFilter;
+      this.texture.colorSpace = THREE.SRGBColorSpace;
     }
     this.texture.image.data = bytes;
     this.texture.needsUpdate = true;
