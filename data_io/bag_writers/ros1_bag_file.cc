@@ -13,8 +13,8 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr std::size_t kChunkBytes = 768 << 10;    // a chunk is closed when it has as many, as rosbag does
-constexpr std::size_t kBagHeaderBytes = 4096;     // of the whole record, blanks included
+constexpr std::size_t kChunkBytes = 768 << 10;      // a chunk is closed when it has as many, as rosbag does
+constexpr std::size_t kBagHeaderBytes = 4096;       // of the whole record, blanks included
 constexpr std::size_t kMaxMessageBytes = 1U << 31;  // sizes and offsets have 32 bits
 
 std::string Integer(std::uint64_t value, int size) {
@@ -65,9 +65,8 @@ std::uint32_t Ros1BagFile::AddConnection(const Ros1Connection& connection) {
                                     {"type", connection.type},
                                     {"md5sum", connection.md5},
                                     {"message_definition", connection.definition}};
-  const std::string record =
-      RecordBytes(Ros1Op::kConnection, {{"conn", U32(connections_)}, {"topic", connection.topic}},
-                  FieldBytes(about));
+  const std::string record = RecordBytes(
+      Ros1Op::kConnection, {{"conn", U32(connections_)}, {"topic", connection.topic}}, FieldBytes(about));
   connection_records_ += record;
   chunk_ += record;
   return connections_++;
