@@ -217,6 +217,14 @@ class Row {
   }
 }
 
+// A to F in a picture, which opens larger in a tab of its own.
+function curveLegend() {
+  const picture = make('img', {src: '/gsab_curve.svg', loading: 'lazy',
+                               alt: 'A curve of 10 log10 GSAB over the incidence angle, as the sum of three terms'});
+  return make('details', {class: 'curve-legend'}, make('summary', {}, 'A to F in a picture'),
+              make('a', {href: '/gsab_curve.svg', target: '_blank', title: 'Open the picture larger'}, picture));
+}
+
 // All rows, in groups that fold.
 export class Controls {
   constructor(root, session, moved) {
@@ -238,6 +246,7 @@ export class Controls {
       const details = make('details', {class: 'group', open: ['Levels and display', 'Materials'].includes(group)},
                            make('summary', {}, group));
       details.dataset.group = group;
+      if (group === 'Materials') details.append(curveLegend());
       for (const [part, rows] of parts) {
         if (!part) details.append(...rows.map((row) => row.element));
         else details.append(this.materialPart(part, rows, moved));

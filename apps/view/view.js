@@ -150,7 +150,8 @@ const comparing = new Latest(async () => {
 function showFigures(figures) {
   const lines = [['Ns/Nr', (f) => f.ns_over_nr], ['Na/Ns', (f) => f.na_over_ns], ['Na/Nr', (f) => f.na_over_nr],
                  ['IoU', (f) => f.iou], ['Intensity error, polar', (f) => f.intensity_error.polar],
-                 ['Intensity error, fan', (f) => f.intensity_error.fan]];
+                 ['Intensity error, fan', (f) => f.intensity_error.fan],
+                 ['Log-likelihood, nats per pixel', (f) => f.nats_per_pixel]];
   const text = (value) => (value === null ? 'none' : value.toFixed(3));
   byId('figures').replaceChildren(...lines.map(([label, of]) =>
       make('tr', {}, make('th', {scope: 'row'}, label), make('td', {class: 'now'}, text(of(figures))),

@@ -248,6 +248,7 @@ ViewAnswer ViewApi::Compare(std::string_view body) {
       Json::parse(metrics::FrameMetricsJson(comparison.metrics, session_.setup().compare.intensity_domain));
   json["sequence"] = state.sequence;
   json["notes_of_all"] = comparison.notes;
+  json["nats_per_pixel"] = comparison.nats_per_pixel ? Json(*comparison.nats_per_pixel) : Json(nullptr);
   const metrics::FrameMasks& masks = comparison.metrics.masks.value();
   json["bins"] = masks.polar_real.rows();
   json["beams"] = masks.polar_real.cols();

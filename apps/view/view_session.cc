@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/workflow/simulate.h"
+#include "calib/selection/held_out_likelihood.h"
 #include "core/types/error.h"
 #include "data_io/recordings/view_recording.h"
 #include "sim/ghosts/ghost_trace.h"
@@ -187,25 +188,29 @@ Frame ViewSession::Recorded(int frame) const {
 ViewComparison ViewSession::Compare(const ViewState& state) {
   Frame simulated;
   RecordingInfo info;
+  std::shared_ptr<const sim::Simulator> simulator;
   {
     const std::scoped_lock lock(render_mutex_);
     simulated.image = RenderNow(state).image;
-    info = workflow::SimulatedRecordingInfo(*SimulatorFor(state), state.parameters, setup_.scene_path,
-                                            !state.noise);
+    simulator = SimulatorFor(state);
+    info = workflow::SimulatedRecordingInfo(*simulator, state.parameters, setup_.scene_path, !state.noise);
   }
   Frame recorded = Recorded(state.frame);
+  const Pose pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
+  ViewComparison comparison;
+  if (state.parameters.model == EchoModel::kAcoustic && recorded.image.scale.quantity == Quantity::kGrey &&
+      recorded.image.axes.Matches(simulator->sonar().axes)) {
+    const calib::GreyFrame grey = {.index = state.frame, .world_from_sonar = pose, .image = recorded.image};
+    comparison.nats_per_pixel = calib::LogLikelihoodPerPixel(*simulator, grey, state.parameters);
+  }
   simulated.info = {.name = recorded.info.name, .time_s = recorded.info.time_s, .world_from_sonar = {}};
   std::vector<Frame> of_real;
   of_real.push_back(std::move(recorded));
   std::vector<Frame> of_simulation;
   of_simulation.push_back(std::move(simulated));
-  ViewComparison comparison;
   workflow::CompareRecordingsOptions options{
       .compare = setup_.compare, .as_displayed = true, .noise_floor = false};
-  if (geometry_) {
-    const Pose& pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
-    options.boxes[0] = geometry_->ObjectBox(pose, *setup_.compare.object);
-  }
+  if (geometry_) options.boxes[0] = geometry_->ObjectBox(pose, *setup_.compare.object);
   std::optional<metrics::FrameMasks> masks;
   metrics::MetricsReport report =
       workflow::CompareRecordings(MemoryRecording(setup_.real->info(), std::move(of_real)),

@@ -145,6 +145,18 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
   });
 }
 
+std::optional<double> LogLikelihoodPerPixel(const sim::Simulator& simulator, const GreyFrame& frame,
+                                            const ParameterSet& parameters) {
+  if (!parameters.receiver.noise_db) return std::nullopt;
+  const std::vector<GreyFrame> frames = {frame};
+  const std::vector<AcousticFrame> powers = FramesFor(frames, parameters.display);
+  const AcousticFrameModel model(simulator, powers, parameters);
+  const std::vector<std::vector<double>> mean_power = MeanPowers(model);
+  if (!std::ranges::all_of(mean_power.front(), [](double power) { return power > 0.0; })) return std::nullopt;
+  const PolarAxes& axes = frame.image.axes;
+  return GreyLikelihood(frames, mean_power, parameters, axes.range_bins, axes.beam_count()).PerPixel();
+}
+
 NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,
                                 const std::vector<std::vector<double>>& expected_grey) {
   std::vector<double> off;

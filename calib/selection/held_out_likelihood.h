@@ -11,12 +11,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "calib/models/acoustic_frame_model.h"
 #include "core/types/image.h"
 #include "core/types/parameters.h"
 #include "core/types/pose.h"
+#include "sim/simulator.h"
 
 namespace sonarcal::calib {
 
@@ -52,6 +54,11 @@ struct BlockedLikelihood {
 BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
                                  const std::vector<std::vector<double>>& mean_power,
                                  const ParameterSet& parameters, int block_bins, int block_beams);
+
+// Mean log-likelihood of a pixel of one frame, nats. nullopt if the parameters have no noise, so that the
+// model expects no power in some pixel.
+std::optional<double> LogLikelihoodPerPixel(const sim::Simulator& simulator, const GreyFrame& frame,
+                                            const ParameterSet& parameters);
 
 // Law of grey levels without speckle: normal about the expected value plus a constant, with one spread
 // everywhere.

@@ -65,6 +65,22 @@ void ViewFigures::ExpectThoseOfCompare(const std::string& extra) {
   }
 }
 
+TEST_F(ViewFigures, TheLogLikelihoodIsThatOfTheAcousticModel) {
+  const auto of = [&](const ParameterSet& parameters) {
+    Json state = State();
+    state["parameters"] = Json::parse(data_io::ParametersJson(parameters).dump());
+    return ReadFramed(Post("/api/compare", state)).json.at("nats_per_pixel");
+  };
+  ParameterSet parameters = testing::TinyAcousticParameters();
+  const double nats = of(parameters).get<double>();
+  EXPECT_LT(nats, 0.0);
+  parameters.source_level_db += 30.0;  // far too bright
+  EXPECT_LT(of(parameters).get<double>(), nats);
+  parameters.receiver.noise_db.reset();
+  EXPECT_TRUE(of(parameters).is_null());
+  EXPECT_TRUE(of(TinyParameters()).is_null());
+}
+
 TEST_F(ViewFigures, FiguresEqualThoseOfTheCompareCommand) {
   ExpectThoseOfCompare("");
 }

@@ -92,7 +92,18 @@ TEST(ViewPage, EveryFileThatThePageNamesIsServed) {
     at += 2;
     EXPECT_NE(FindPageFile(html.substr(at, html.find('"', at) - at)), nullptr) << html.substr(at, 20);
   }
-  EXPECT_GE(named, 6U);
+  EXPECT_GE(named, 5U);
+  std::size_t imported = 0;
+  for (const PageFile& file : PageFiles()) {
+    if (file.path == "/three.js") continue;
+    constexpr std::string_view kFrom = " from '.";
+    for (std::size_t at = 0; (at = file.bytes.find(kFrom, at)) != std::string_view::npos; ++imported) {
+      at += kFrom.size();
+      const std::string path(file.bytes.substr(at, file.bytes.find('\'', at) - at));
+      EXPECT_NE(FindPageFile(path), nullptr) << file.path << ": " << path;
+    }
+  }
+  EXPECT_GE(imported, 10U);
   EXPECT_EQ(FindPageFile("/../view_command.cc"), nullptr);
 }
 
