@@ -55,7 +55,7 @@ struct ViewImage {
 
 struct ViewComparison {
   metrics::FrameMetrics metrics;  // with masks
-  // What a fit of the acoustic model maximises: mean log-likelihood of a recorded pixel, nats. Absent for the
+  // Mean log-likelihood of a recorded pixel, nats, which a fit of the acoustic model maximises. Absent for the
   // paper's model, for a recording that does not have the sonar's pixels or grey levels, and without noise.
   std::optional<double> nats_per_pixel;
   std::vector<std::string> notes;
