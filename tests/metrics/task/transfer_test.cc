@@ -152,7 +152,7 @@ TEST(TransferTest, ShownFramesHaveTheDetectionsOfTheFigures) {
   for (const ShownDetection& shown : transfer.shown) {
     pooled += shown.of_simulated;
     reference += shown.of_reference;
-    EXPECT_EQ(CountSet(Both(shown.by_simulated, test[shown.frame].object).value()),
+    EXPECT_EQ(CountSet(Both(shown.by_simulated, test[shown.frame].object)),
               shown.of_simulated.true_positives);
     EXPECT_EQ(CountSet(shown.by_reference),
               shown.of_reference.true_positives + shown.of_reference.false_positives);
