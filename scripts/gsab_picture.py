@@ -58,8 +58,14 @@ def minus(number):
     return number.replace("-", "−")
 
 
+# Attributes rather than a style sheet, which the policy of the live view would refuse.
+TEXT = ('font-family="Arial, Helvetica, sans-serif" font-size="14" paint-order="stroke" stroke="#ffffff" '
+        'stroke-width="4"')
+
+
 def text(x, y, words, color="#1c2733", anchor="start", weight="normal"):
-    return f'<text x="{x:.1f}" y="{y:.1f}" fill="{color}" text-anchor="{anchor}" font-weight="{weight}">{words}</text>'
+    return (f'<text {TEXT} x="{x:.1f}" y="{y:.1f}" fill="{color}" text-anchor="{anchor}" font-weight="{weight}">{words}'
+            '</text>')
 
 
 def line(x1, y1, x2, y2, color="#44525f", extra=""):
@@ -76,7 +82,7 @@ def axes():
         parts.append(text(LEFT - 8, y_of(level) + 5, minus(str(level)), anchor="end"))
     words = "incidence angle δ, degrees (0: the ray meets the surface head-on)"
     parts.append(text((LEFT + RIGHT) / 2, BOTTOM + 44, words, anchor="middle"))
-    parts.append(f'<text transform="translate(22 {(TOP + BOTTOM) / 2}) rotate(-90)" text-anchor="middle">10 log10 GSAB, dB</text>')
+    parts.append(f'<text {TEXT} transform="translate(22 {(TOP + BOTTOM) / 2}) rotate(-90)" text-anchor="middle">10 log10 GSAB, dB</text>')
     return parts
 
 
@@ -110,12 +116,10 @@ def main():
         parts.append(text(560, TOP + 24 + 21 * row, words, color, weight="bold" if row == 0 else "normal"))
     words = f"A {db(A):.0f} dB, B {B:g}°, C {db(C):.0f} dB, D {D:g}, E {db(E):.0f} dB, F {F:g}°"
     parts.append(text(LEFT, 30, minus(words)))
-    style = "text { font-family: Arial, Helvetica, sans-serif; font-size: 14px; paint-order: stroke; stroke: #fff; stroke-width: 4px; }"
     body = "\n".join(parts)
     Path(sys.argv[1]).write_text(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" '
         f'aria-labelledby="title">\n<title id="title">The six parameters of the backscatter curve GSAB</title>\n'
-        f'<style>{style}</style>\n'
         '<defs><marker id="end" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
         '<path d="M0 0 L8 4 L0 8 Z" fill="#44525f"/></marker></defs>\n'
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#ffffff"/>\n{body}\n</svg>\n', encoding="utf-8")
