@@ -3,11 +3,12 @@
     guide_test.py GUIDE SONARCAL [--update-pictures]
     guide_test.py --self-test
 
-The numbered pages come first, then those of ALSO_RUN. Each fenced block of "sh" is a script of its own (set -e). A block that calls
-scripts/ is for a clone with a network and is not run; one that reads $SONARCAL_RECORDINGS is run if that folder is there. A plain
-block after it shows lines of its output, in their order; "..." stands for lines that are left out. Numbers may differ a little,
-because processors round differently. Blocks of other languages are neither run nor compared. A picture below a comment "made: FILE"
-looks like this file of the commands; --update-pictures copies it into the sources. A numbered page without commands is a mistake.
+The numbered pages come first, then those of ALSO_RUN. Each fenced block of "sh" is a script of its own (set -e). Three kinds are
+not run: a block that calls scripts/, which is for a clone with a network; one with a value "..." or a recording REC, which its
+reader fills in; and one that reads $SONARCAL_RECORDINGS without this folder. A plain block after it shows lines of its output, in
+their order; "..." stands for lines, or the end of a line, that are left out. Numbers may differ a little, because processors round
+differently. Blocks of other languages are neither run nor compared. A picture below a comment "made: FILE" looks like this file of
+the commands; --update-pictures copies it into the sources. A numbered page without commands is a mistake.
 """
 
 import json
@@ -19,7 +20,8 @@ import subprocess
 import sys
 import tempfile
 
-ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md", "standard_target.md"]
+ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md", "standard_target.md", "explain.md",
+            "poses.md", "calibrate.md"]
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"<!-- made: (\S+) -->\n!\[[^\]]*\]\((\S+)\)")
@@ -43,7 +45,11 @@ def same_number(shown, made):
 
 def same_line(shown, made):
     """Whether a line of a page and one of an output have the same words and nearly the same numbers."""
-    shown, made = " ".join(shown.split()), " ".join(made.split())
+    shown, made = shown.split(), made.split()
+    if shown[-1:] == ["..."]:
+        shown.pop()
+        made = made[:len(shown)]
+    shown, made = " ".join(shown), " ".join(made)
     if NUMBER.sub("#", shown) != NUMBER.sub("#", made):
         return False
     return all(map(same_number, NUMBER.findall(shown), NUMBER.findall(made)))
@@ -112,7 +118,7 @@ def check_figures(folder):
 
 def is_run(block):
     """Whether a block can be run here."""
-    if "scripts/" in block:
+    if "scripts/" in block or "=..." in block or " REC " in block:
         return False
     needed = re.findall(r"\$SONARCAL_RECORDINGS/([\w/]+)", block)
     recordings = os.environ.get("SONARCAL_RECORDINGS")
@@ -161,8 +167,12 @@ def self_test():
     assert first_missing("IoU 0.941 [0.930, 0.946]\n...\nend\n", output) is None
     assert first_missing("IoU 0.901 [0.932, 0.946]\n", output) is not None
     assert first_missing("noise 93.99 0.04 m\n", output) is not None
+    assert first_missing("IoU 0.941 ...\nend\n", output) is None
+    assert first_missing("IoU 0.901 ...\n", output) is not None
     assert first_missing("end\n...\na table\n", output) == "a table"
-    assert not is_run("scripts/setup.sh\n") and is_run("sonarcal sonars\n")
+    for block in ("scripts/setup.sh", "export FOLDER=...", "sonarcal inspect REC --json"):
+        assert not is_run(block)
+    assert is_run("sonarcal sonars\n")
     with tempfile.TemporaryDirectory() as folder:
         one, other = pathlib.Path(folder, "1.svg"), pathlib.Path(folder, "2.svg")
         one.write_text("<path d='M 1 2 L 3 4'/>", encoding="utf-8")
