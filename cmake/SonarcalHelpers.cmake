@@ -25,8 +25,9 @@ function(sonarcal_compile_options target)
     -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^13")
     # GCC 13 warns of these where nothing is wrong: inlined decompositions of Eigen, references that a function
-    # returns from its argument, and copies of short vectors.
-    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-dangling-reference -Wno-array-bounds)
+    # returns from its argument, and buffers of fmt.
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-dangling-reference -Wno-array-bounds
+      -Wno-stringop-overflow)
   endif()
   if(SONARCAL_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
