@@ -155,11 +155,16 @@ sonarcal_pkg_config_version(zstd_version "${Zstd_LIBRARY}" libzstd)
 sonarcal_list_library(Zstandard LINKED_AS zstd::zstd VERSION "${zstd_version}" PACKAGE Zstd
   LICENCE "BSD-3-Clause OR GPL-2.0-only" HOME_PAGE https://github.com/facebook/zstd)
 
-# A static Ceres is linked together with the libraries that it was built with. CMake knows no version of
-# LAPACK and ATLAS. Supernodal, Modify and MatrixOps of CHOLMOD are GPL, its other modules LGPL.
+# The headers of Ceres call glog. A static Ceres is linked together with the libraries that it was built with.
+# CMake knows no version of LAPACK and ATLAS. Supernodal, Modify and MatrixOps of CHOLMOD are GPL, its other
+# modules LGPL.
 sonarcal_library_use(ceres_use Ceres::ceres)
+get_target_property(ceres_links Ceres::ceres INTERFACE_LINK_LIBRARIES)
+if(ceres_links MATCHES "glog::glog")
+  sonarcal_list_library(glog LINKED_AS glog::glog VERSION "${glog_VERSION}" NEEDED_BY "Ceres Solver"
+    LICENCE BSD-3-Clause HOME_PAGE https://github.com/google/glog)
+endif()
 if(ceres_use STREQUAL "linked statically")
-  get_target_property(ceres_links Ceres::ceres INTERFACE_LINK_LIBRARIES)
   if(ceres_links MATCHES "liblapack|LAPACK::")
     sonarcal_list_library(LAPACK USE linked NEEDED_BY "Ceres Solver"
       LICENCE BSD-3-Clause-Open-MPI HOME_PAGE http://www.netlib.org/lapack)
@@ -167,10 +172,6 @@ if(ceres_use STREQUAL "linked statically")
   if(ceres_links MATCHES "f77blas")
     sonarcal_list_library(ATLAS USE linked NEEDED_BY "Ceres Solver"
       LICENCE BSD-3-Clause HOME_PAGE http://math-atlas.sourceforge.net)
-  endif()
-  if(ceres_links MATCHES "glog::glog")
-    sonarcal_list_library(glog LINKED_AS glog::glog VERSION "${glog_VERSION}" NEEDED_BY "Ceres Solver"
-      LICENCE BSD-3-Clause HOME_PAGE https://github.com/google/glog)
   endif()
   if(ceres_links MATCHES "CXSparse::CXSparse")
     sonarcal_list_library(CXSparse LINKED_AS CXSparse::CXSparse VERSION "${CXSparse_VERSION}" NEEDED_BY "Ceres Solver"

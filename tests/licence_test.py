@@ -28,6 +28,7 @@ RUNTIME = r"ld-linux.*|lib(c|m|mvec|stdc\+\+|gcc_s|pthread|dl|rt|asan|ubsan)"
 LIBRARIES = {
     r"archive": "libarchive",
     r"bz2": "bzip2",
+    r"ceres": "Ceres Solver",
     r"cholmod": "SuiteSparse CHOLMOD",
     r"crypto|ssl": "OpenSSL",
     r"embree.*": "Embree",
