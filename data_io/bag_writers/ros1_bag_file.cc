@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/types/error.h"
+#include "data_io/files/byte_reader.h"
 #include "data_io/files/compression.h"
 #include "data_io/ros/ros1_records.h"
 #include "data_io/ros/ros_messages.h"
@@ -17,14 +18,8 @@ constexpr std::size_t kChunkBytes = 768 << 10;      // a chunk is closed when it
 constexpr std::size_t kBagHeaderBytes = 4096;       // of the whole record, blanks included
 constexpr std::size_t kMaxMessageBytes = 1U << 31;  // sizes and offsets have 32 bits
 
-std::string Integer(std::uint64_t value, int size) {
-  std::string bytes;
-  for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
-  return bytes;
-}
-
 std::string U32(std::uint64_t value) {
-  return Integer(value, 4);
+  return LittleEndianBytes(value, 4);
 }
 
 std::string Time(std::int64_t time_ns) {
@@ -106,7 +101,7 @@ void Ros1BagFile::Put(std::string_view bytes) {
 void Ros1BagFile::PutBagHeader(std::uint64_t index_at) {
   const auto record = [&](std::size_t blanks) {
     return RecordBytes(Ros1Op::kBagHeader,
-                       {{"index_pos", Integer(index_at, 8)},
+                       {{"index_pos", LittleEndianBytes(index_at, 8)},
                         {"conn_count", U32(connections_)},
                         {"chunk_count", U32(chunks_)}},
                        std::string(blanks, ' '));
@@ -128,7 +123,7 @@ void Ros1BagFile::FlushChunk() {
   }
   chunk_infos_ += RecordBytes(Ros1Op::kChunkInfo,
                               {{"ver", U32(1)},
-                               {"chunk_pos", Integer(chunk_at, 8)},
+                               {"chunk_pos", LittleEndianBytes(chunk_at, 8)},
                                {"start_time", Time(first_ns_)},
                                {"end_time", Time(last_ns_)},
                                {"count", U32(index_.size())}},

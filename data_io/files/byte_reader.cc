@@ -88,6 +88,12 @@ std::uint32_t LittleEndian(std::span<const std::byte> bytes) {
   return value;
 }
 
+std::string LittleEndianBytes(std::uint64_t value, int size) {
+  std::string bytes;
+  for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
+  return bytes;
+}
+
 std::uint64_t RegularFileSize(const std::filesystem::path& file) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);

@@ -66,6 +66,9 @@ class ByteReader {
 // Unsigned little-endian integer of 1 to 4 bytes.
 std::uint32_t LittleEndian(std::span<const std::byte> bytes);
 
+// The lowest `size` bytes of a number, in this order.
+std::string LittleEndianBytes(std::uint64_t value, int size);
+
 // Length of a regular file in bytes. Throws DataError if there is no regular file.
 std::uint64_t RegularFileSize(const std::filesystem::path& file);
 

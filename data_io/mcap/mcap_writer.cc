@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/types/error.h"
+#include "data_io/files/byte_reader.h"
 #include "data_io/files/compression.h"
 #include "data_io/mcap/mcap_records.h"
 
@@ -36,7 +37,7 @@ class Content {
 
  private:
   Content& Integer(std::uint64_t value, int size) {
-    for (int i = 0; i < size; ++i) bytes_ += static_cast<char>(value >> 8 * i & 0xff);
+    bytes_ += LittleEndianBytes(value, size);
     return *this;
   }
 
