@@ -55,9 +55,9 @@ struct ViewImage {
 
 struct ViewComparison {
   metrics::FrameMetrics metrics;  // with masks
-  // Mean log-likelihood of a recorded pixel, nats, which a fit of the acoustic model maximises. Absent for
-  // the paper's model, for a recording that does not have the sonar's pixels or grey levels, and without
-  // noise.
+  // Mean log-likelihood of a recorded pixel, nats, by which fits of the acoustic model are judged on held-out
+  // frames. Absent for the paper's model, for a recording that does not have the sonar's pixels or grey
+  // levels, and without noise.
   std::optional<double> nats_per_pixel;
   std::vector<std::string> notes;
 };

@@ -151,10 +151,8 @@ std::optional<double> LogLikelihoodPerPixel(const sim::Simulator& simulator, con
   const std::vector<GreyFrame> frames = {frame};
   const std::vector<AcousticFrame> powers = FramesFor(frames, parameters.display);
   const AcousticFrameModel model(simulator, powers, parameters);
-  const std::vector<std::vector<double>> mean_power = MeanPowers(model);
-  if (!std::ranges::all_of(mean_power.front(), [](double power) { return power > 0.0; })) return std::nullopt;
   const PolarAxes& axes = frame.image.axes;
-  return GreyLikelihood(frames, mean_power, parameters, axes.range_bins, axes.beam_count()).PerPixel();
+  return GreyLikelihood(frames, MeanPowers(model), parameters, axes.range_bins, axes.beam_count()).PerPixel();
 }
 
 NormalGreyLaw FindNormalGreyLaw(const std::vector<GreyFrame>& frames,

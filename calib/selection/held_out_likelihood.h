@@ -55,8 +55,8 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
                                  const std::vector<std::vector<double>>& mean_power,
                                  const ParameterSet& parameters, int block_bins, int block_beams);
 
-// Mean log-likelihood of a pixel of one frame, nats. nullopt if the parameters have no noise, so that the
-// model expects no power in some pixel.
+// Mean log-likelihood of a pixel of one frame, nats. nullopt if the parameters have no noise level: then the
+// model expects no power in some pixels.
 std::optional<double> LogLikelihoodPerPixel(const sim::Simulator& simulator, const GreyFrame& frame,
                                             const ParameterSet& parameters);
 

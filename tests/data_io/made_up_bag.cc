@@ -46,20 +46,26 @@ std::string Time(std::int64_t time_ns) {
 
 std::string PackedBytes(const std::string& bytes, const std::string& compression) {
   std::string packed;
+  const auto keep = [&](std::size_t size, bool is_error) {
+    if (is_error) throw std::runtime_error("compression");
+    packed.resize(size);
+  };
   if (compression == "lz4") {
     packed.resize(LZ4F_compressFrameBound(bytes.size(), nullptr));
-    packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr));
+    const std::size_t size =
+        LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr);
+    keep(size, LZ4F_isError(size) != 0);
   } else if (compression == "zstd") {
     packed.resize(ZSTD_compressBound(bytes.size()));
-    packed.resize(ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1));
+    const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1);
+    keep(size, ZSTD_isError(size) != 0);
   } else if (compression == "bz2") {
     packed.resize(bytes.size() + bytes.size() / 100 + 600);  // never more, as the library's manual says
     auto size = static_cast<unsigned>(packed.size());
     std::string input = bytes;
     const int result = BZ2_bzBuffToBuffCompress(packed.data(), &size, input.data(),
                                                 static_cast<unsigned>(input.size()), 9, 0, 0);
-    if (result != BZ_OK) throw std::runtime_error("bzip2");
-    packed.resize(size);
+    keep(size, result != BZ_OK);
   } else {
     packed = bytes;
   }

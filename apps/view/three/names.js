@@ -1,4 +1,4 @@
-// What the page uses of three.js. scripts/bundle_three.sh makes three.js in this folder from it.
+// Parts of three.js that the page uses. scripts/bundle_three.sh bundles them into the file three.js of this folder.
 export {
   BoxGeometry, BufferAttribute, BufferGeometry, DataTexture, DirectionalLight, DoubleSide, Euler, FrontSide, Group,
   HemisphereLight, LineBasicMaterial, LineSegments, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial,

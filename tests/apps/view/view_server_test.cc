@@ -92,7 +92,7 @@ TEST(ViewPage, EveryFileThatThePageNamesIsServed) {
     at += 2;
     EXPECT_NE(FindPageFile(html.substr(at, html.find('"', at) - at)), nullptr) << html.substr(at, 20);
   }
-  EXPECT_GE(named, 5U);
+  EXPECT_GE(named, 6U);
   std::size_t imported = 0;
   for (const PageFile& file : PageFiles()) {
     if (file.path == "/three.js") continue;
