@@ -5,7 +5,7 @@
 #   scripts/other_system.sh debian13|ubuntu24.04 [--root DIR] [--unverified] [--quick | -- ARGUMENTS OF CTEST]
 #     --root DIR    the folder of the system (default: ~/.cache/sonarcal/<system>). It is made if it is absent, and
 #                   kept: a second run installs and builds only what has changed.
-#     --unverified  do not check the signature of the package server, where its keys are not installed
+#     --unverified  skip the check of the server's signature, for a machine that does not have the server's keys
 #     --quick       only `scripts/test.sh --quick`
 #     --            only `scripts/test.sh` with these arguments
 #   Otherwise it runs both commands of the README: `scripts/demo.sh report` and `scripts/test.sh`.
@@ -21,7 +21,7 @@ case "$name" in
     release=trixie
     mirror=http://deb.debian.org/debian
     components=main
-    keys=()  # debootstrap finds Debian's itself
+    keys=()  # debootstrap finds Debian's keys itself
     bootstrap_script=sid
     issue="Debian GNU/Linux 13"
     ;;
@@ -30,7 +30,7 @@ case "$name" in
     mirror=http://archive.ubuntu.com/ubuntu
     components="main,universe"
     keys=(--keyring=/usr/share/keyrings/ubuntu-archive-keyring.gpg)
-    bootstrap_script=gutsy  # that of every release of Ubuntu since
+    bootstrap_script=gutsy  # for this and all later releases of Ubuntu
     issue="Ubuntu 24.04"
     ;;
   -h | --help)
