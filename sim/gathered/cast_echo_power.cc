@@ -329,10 +329,10 @@ EchoPower CastEchoPower(const RayCaster& caster, const RayFan& fan, const Pose& 
                          .materials = frame.materials,
                          .max_tangent = static_cast<float>(LargestTangent()),
                          .node_positions = NodePositions()};
-  std::vector<BlockEchoes> blocks((fan.cols() + kBlockCols - 1) / kBlockCols);
+  std::vector<BlockEchoes> blocks(RayCaster::CountBlocks(fan));
   tbb::enumerable_thread_specific<BlockGatherer> locals([&] { return BlockGatherer(shared); });
   caster.CastColumns(fan, world_from_sonar, axes.range_max_m, [&](const RayCaster::ColumnBlock& block) {
-    blocks[block.first_col / kBlockCols] = locals.local().Gather(block);
+    blocks[block.index] = locals.local().Gather(block);
   });
   Join(blocks, frame);
   return frame;

@@ -290,13 +290,15 @@ void RayCaster::CastRows(const RayFan& fan, const Pose& world_from_sonar, double
 void RayCaster::CastColumns(const RayFan& fan, const Pose& world_from_sonar, double max_range_m,
                             const std::function<void(const ColumnBlock&)>& of_block) const {
   static_assert(kBlockCols % kTileCols == 0);
-  const int blocks = (fan.cols() + kBlockCols - 1) / kBlockCols;
+  const int blocks = CountBlocks(fan);
+  const int tiles = (fan.cols() + kTileCols - 1) / kTileCols;
+  const auto first_col = [&](int block) { return std::min(tiles * block / blocks * kTileCols, fan.cols()); };
   tbb::parallel_for(0, blocks, [&](int block) {
     const embree::FlushDenormals flush;
     Casting casting(fan, world_from_sonar, max_range_m);
-    casting.first_col = block * kBlockCols;
-    casting.cols = std::min(kBlockCols, fan.cols() - casting.first_col);
-    of_block({casting.first_col, casting.cols, [&](const std::function<void(const RowHits&)>& take) {
+    casting.first_col = first_col(block);
+    casting.cols = first_col(block + 1) - casting.first_col;
+    of_block({block, casting.first_col, casting.cols, [&](const std::function<void(const RowHits&)>& take) {
                 CastRowsOf(casting, 0, fan.rows(), take);
               }});
   });
