@@ -21,7 +21,7 @@ import sys
 import tempfile
 
 ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md", "standard_target.md", "explain.md",
-            "poses.md", "calibrate.md"]
+            "poses.md", "calibrate.md", "rays.md", "locate.md", "moving.md"]
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"<!-- made: (\S+) -->\n!\[[^\]]*\]\((\S+)\)")
