@@ -82,8 +82,7 @@ class RayCaster {
 
   // Calls `of_block` for each block of columns of the fan; blocks run on all cores. block.cast(take) casts
   // the rays of the block and passes the hits of its rows to `take`, in order and on the calling thread. Sums
-  // per column therefore do not depend on the number of threads. Blocks are equally wide, up to a tile of
-  // rays.
+  // per column therefore do not depend on the number of threads. Blocks are equally wide up to a tile.
   static constexpr int kBlockCols = 64;
   static int CountBlocks(const RayFan& fan) { return (fan.cols() + kBlockCols - 1) / kBlockCols; }
   struct ColumnBlock {
