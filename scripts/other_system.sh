@@ -125,7 +125,7 @@ inside() {
     /bin/bash -c 'cd /srv/sonarcal && "$@"' bash "$@"
 }
 
-passed_on=()
+passed_on=(CI=true)  # warnings are errors
 for variable in http_proxy https_proxy no_proxy; do
   if [[ -n "${!variable:-}" ]]; then passed_on+=("$variable=${!variable}"); fi
 done
