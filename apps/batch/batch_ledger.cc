@@ -9,10 +9,12 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
+#include "data_io/files/file_bytes.h"
 
 namespace sonarcal::batch {
 namespace {
@@ -93,7 +95,8 @@ void BatchLedger::Append(const std::string& line) const {
   }
   if (whole != status.st_size && ftruncate(ledger.number(), whole) != 0) FailOn(file_);
   const std::string text = line + '\n';
-  if (write(ledger.number(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) FailOn(file_);
+  if (const int error = data_io::WriteAll(ledger.number(), std::as_bytes(std::span(text))))
+    throw DataError("{}: cannot be written: {}", file_.string(), std::strerror(error));
   if (fsync(ledger.number()) != 0) FailOn(file_);
 }
 

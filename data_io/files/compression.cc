@@ -15,6 +15,7 @@
 
 #include "core/types/error.h"
 #include "data_io/files/byte_reader.h"
+#include "data_io/files/file_bytes.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -113,17 +114,6 @@ class Bzip2Decoder {
 
   bz_stream stream_ = {};
 };
-
-// Returns 0, or the number of the error.
-int WriteAll(int descriptor, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return 0;
-}
 
 template <typename Decoder>
 Inflated InflateWith(Decoder decoder, std::span<const std::byte> packed, std::uint64_t max_bytes) {

@@ -1,5 +1,7 @@
 #include "data_io/files/file_bytes.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <fstream>
 #include <system_error>
@@ -27,6 +29,16 @@ std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_byt
   }
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
   return bytes;
+}
+
+int WriteAll(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return 0;
 }
 
 }  // namespace sonarcal::data_io

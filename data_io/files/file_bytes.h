@@ -1,8 +1,9 @@
-// Reads a whole file as bytes, with a limit on its size.
+// Bytes of a whole file, read with a limit on its size, and bytes written to a descriptor.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 
 namespace sonarcal::data_io {
@@ -10,5 +11,9 @@ namespace sonarcal::data_io {
 // Throws DataError if the file is absent, unreadable, not a regular file, or longer than `max_bytes` (checked
 // before any allocation).
 std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_bytes);
+
+// Writes all bytes to an open file or pipe. Returns 0, or the number of the error (errno). A full disk may
+// take a part of them.
+int WriteAll(int descriptor, std::span<const std::byte> bytes);
 
 }  // namespace sonarcal::data_io

@@ -297,6 +297,20 @@ TEST_F(BatchTest, InterruptedItSaysHowToGoOn) {
   EXPECT_EQ(CountOf(world_ / "out", "done"), 12);
 }
 
+// Files may not grow beyond 8 kB, or not even the ledger beyond half a kB.
+TEST_F(BatchTest, WhenTheDiskHasSpaceAgainItEndsTheSame) {
+  WritePlan();
+  ASSERT_EQ(RunSonarcal(Batch("whole")).status, 0);
+  for (const int blocks : {1, 16}) {
+    const Outcome outcome = RunSonarcal(Batch("out"), fmt::format("trap '' XFSZ; ulimit -f {};", blocks));
+    EXPECT_EQ(outcome.status, 1) << blocks;
+    EXPECT_THAT(outcome.err, HasSubstr("cannot be written")) << blocks;
+  }
+  ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
+  EXPECT_EQ(CountOf(world_ / "out", "done"), 8);
+  EXPECT_EQ(OutputsOf(world_ / "out", {"sim", "judged"}), OutputsOf(world_ / "whole", {"sim", "judged"}));
+}
+
 // On a cluster of two workers, one of which is killed in the middle (dask_batch_test.py).
 TEST_F(BatchTest, AClusterThatLosesAWorkerEndsTheSame) {
   if (std::system(SONARCAL_PYTHON " -c 'import distributed' 2>/dev/null") != 0)
