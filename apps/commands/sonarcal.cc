@@ -1,4 +1,6 @@
 // The program `sonarcal`: one binary, one file per command.
+#include <cstdlib>
+
 #include <CLI/CLI.hpp>
 
 #include "apps/cli/command.h"
@@ -9,6 +11,7 @@
 int main(int argc, char** argv) {
   using namespace sonarcal::commands;  // NOLINT(google-build-using-namespace)
   sonarcal::workflow::KeepFreedMemory();
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // no lines of FFmpeg beside the program's own message
   CLI::App app("Makes a simulated imaging sonar agree with a real one.");
   sonarcal::cli::SetUpRoot(app);
   const auto add = [&](const char* group, const std::vector<void (*)(CLI::App&)>& setups) {

@@ -91,6 +91,17 @@ void WriteFanPngs(const RecordingSource& recording, const FanPainter& painter,
   WriteFileWhole(folder / "geometry.json", painter.GeometryJson());
 }
 
+namespace {
+
+int CountFrames(const std::filesystem::path& video_file) {
+  cv::VideoCapture video(video_file.string(), cv::CAP_FFMPEG);
+  int frames = 0;
+  while (video.grab()) ++frames;
+  return frames;
+}
+
+}  // namespace
+
 void WriteFanVideo(const RecordingSource& recording, const FanPainter& painter, double frames_per_s,
                    const std::filesystem::path& file, const std::function<void(int frames_done)>& progress) {
   cv::VideoWriter video(file.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('m', 'p', '4', 'v'),
@@ -108,7 +119,11 @@ void WriteFanVideo(const RecordingSource& recording, const FanPainter& painter, 
     if (progress) progress(i + 1);
   }
   video.release();
-  if (!std::filesystem::exists(file)) throw DataError("{}: FFmpeg did not write it", file.string());
+  // OpenCV and FFmpeg do not report a write that failed.
+  if (const int frames = CountFrames(file); frames != recording.frame_count()) {
+    throw DataError("{}: cannot be written: FFmpeg wrote {} of {} frames that can be read; is the disk full?",
+                    file.string(), frames, recording.frame_count());
+  }
 }
 
 double RecordedFramesPerS(const RecordingSource& recording) {
