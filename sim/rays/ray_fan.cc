@@ -26,8 +26,8 @@ std::vector<double> GoldenSections(int count) {
 }  // namespace
 
 void RayFanOptions::Check() const {
-  if (cols < 1 || cols > 100'000) throw DataError("rays: {} columns, expected 1 .. 100000", cols);
-  if (rows < 1 || rows > 100'000) throw DataError("rays: {} rows, expected 1 .. 100000", rows);
+  if (cols < 1 || cols > kMaxCols) throw DataError("rays: {} columns, expected 1 .. {}", cols, kMaxCols);
+  if (rows < 1 || rows > kMaxRows) throw DataError("rays: {} rows, expected 1 .. {}", rows, kMaxRows);
   if (static_cast<long>(cols) * rows > 200'000'000) {
     throw DataError("rays: {} x {} is more than 200 million", cols, rows);
   }

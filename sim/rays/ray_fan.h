@@ -47,6 +47,9 @@ constexpr auto WordsOf(std::type_identity<RayWeight>) {
 }
 
 struct RayFanOptions {
+  static constexpr int kMaxCols = 100'000;
+  static constexpr int kMaxRows = 100'000;
+
   Sampling sampling = Sampling::kFrustum;
   int cols = 1500;  // columns over the horizontal field of view; kBeams: rounded up to whole columns per beam
   int rows = 1200;  // rows over the vertical field of view

@@ -26,6 +26,10 @@ constexpr int kOtherBeamRows = 400;
 void CheckColumns(const sim::RayFanOptions& fan, const SonarModel& sonar,
                   const std::optional<RayGridSize>& rays) {
   const int beams = sonar.axes.beam_count();
+  if (!rays && fan.cols > sim::RayFanOptions::kMaxCols) {
+    throw DataError("{} beams need {} columns of rays, expected at most {}: give fewer with --rays", beams,
+                    fan.cols, sim::RayFanOptions::kMaxCols);
+  }
   if (!rays || fan.sampling != sim::Sampling::kBeams || fan.cols >= beams) return;
   throw UsageError(
       "--rays {}x{} has fewer columns than the {} beams of the sonar, expected at least {}, best a multiple "

@@ -401,6 +401,27 @@ TEST(SimulateCommand, FewerColumnsThanBeamsAreRefused) {
   }
 }
 
+TEST(SimulateCommand, TooManyBeamsForTheDefaultRaysAreRefused) {
+  const TinyWorld world;
+  constexpr int kBeams = 100'000;
+  nlohmann::json sonar = testing::ReadJsonFile(world.sonar());
+  std::vector<double> azimuth_deg;
+  for (int beam = 0; beam < kBeams; ++beam) azimuth_deg.push_back(30.0 * beam / kBeams - 15.0);
+  sonar["sonar"]["beam_azimuth_deg"] = azimuth_deg;
+  testing::WriteFile(world.sonar(), sonar.dump());
+  const std::string default_rays =
+      fmt::format("simulate --scene {} --sonar {} --params {} --poses {}", Quoted(world.scene()),
+                  Quoted(world.sonar()), Quoted(world.params()), Quoted(world.poses()));
+  for (const auto& [model, columns] :
+       {std::pair<std::string, int>{"paper", 200'000}, {"acoustic", 400'000}, {"coherent", 400'000}}) {
+    const Outcome outcome =
+        RunSonarcal(default_rays + " --model " + model + " --out " + Quoted(world / "sim"));
+    EXPECT_EQ(outcome.status, 1) << model;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(fmt::format("100000 beams need {} columns of rays", columns)));
+  }
+}
+
 TEST(SimulateCommand, NoiseThatChangesNothingIsRefused) {
   const TinyWorld world;
   ParameterSet exact = testing::TinyParameters();
