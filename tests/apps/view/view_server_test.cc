@@ -240,6 +240,44 @@ TEST_F(ViewServerTest, UnfinishedRequestsDoNotShutThePageOut) {
   EXPECT_EQ(page->status, 200);
 }
 
+using ViewPageClosed = testing::ViewApiTest;
+
+// A page starts a fit and is closed while it waits for images. Another page finds the fit and its result.
+TEST_F(ViewPageClosed, AFitGoesOnForTheNextPage) {
+  ViewServer server(*api_, 0);
+  server.Start();
+  const httplib::Headers token = {{kViewTokenHeader, server.token()}};
+  const auto post = [&](const std::string& path, const std::string& body) {
+    return fmt::format(
+        "POST {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n{}: {}\r\nContent-Type: application/json\r\n"
+        "Content-Length: {}\r\n\r\n{}",
+        path, server.port(), kViewTokenHeader, server.token(), body.size(), body);
+  };
+  const nlohmann::json start = {{"state", State()}, {"starts", 1}, {"fixed", {"jitter.*"}}};
+  ASSERT_EQ(httplib::Client("127.0.0.1", server.port())
+                .Post("/api/fit/start", token, start.dump(), "application/json")
+                ->status,
+            200);
+  for (int i = 0; i < 20; ++i) {
+    const Unfinished closed_at_once(server.port(), post("/api/render", State().dump()));
+  }
+  httplib::Client next("127.0.0.1", server.port());
+  nlohmann::json status;
+  for (int i = 0; i < 3000; ++i) {
+    const auto answer = next.Get("/api/fit", token);
+    ASSERT_TRUE(answer);
+    ASSERT_EQ(answer->status, 200);
+    status = nlohmann::json::parse(answer->body);
+    if (status["state"] != "running") break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_EQ(status["state"], "done") << status;
+  EXPECT_TRUE(status["result"].contains("parameters"));
+  const auto image = next.Post("/api/render", token, State().dump(), "application/json");
+  ASSERT_TRUE(image);
+  EXPECT_FALSE(testing::ReadFramed({image->status, {}, image->body}).data.empty());
+}
+
 TEST_F(ViewServerTest, TwoPagesAtOnceGetTheirOwnImages) {
   const nlohmann::json given =
       nlohmann::json::parse(data_io::ParametersJson(testing::TinyParameters()).dump());
