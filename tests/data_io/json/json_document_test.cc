@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 
@@ -17,7 +20,7 @@ std::string RefusalOf(const std::string& text) {
   return MessageOf([&] { ParseJson(text, "x.json"); });
 }
 
-const JsonNode& Member(const JsonNode& object, const std::string& key) {
+const JsonNode& Member(const JsonNode& object, std::string_view key) {
   for (const JsonMember& member : std::get<JsonNode::Object>(object.value)) {
     if (member.key == key) return member.value;
   }
