@@ -172,7 +172,8 @@ TEST_F(StandardTargetFitTest, MovedSphereGivesBeamsElevationAndGainWithRange) {
   double squares = 0.0;
   double in_sigmas = 0.0;
   for (const int beam : fit.beams_determined) {
-    const FittedParameter& of_beam = Find(fit, "beam.sensitivity_db." + std::to_string(beam));
+    const std::string name = "beam.sensitivity_db." + std::to_string(beam);
+    const FittedParameter& of_beam = Find(fit, name);
     const double error_db = of_beam.value - (recording_.truth.beam.sensitivity_db[beam] - mean_db);
     squares += error_db * error_db;
     in_sigmas += error_db * error_db / (*of_beam.sigma * *of_beam.sigma);
