@@ -265,6 +265,58 @@ TEST(SegmentationOptionsTest, AnInvalidOptionIsNamedWithValueAndLimit) {
               HasSubstr("has no law of the background"));
 }
 
+// Both ends of each range that a field's comment states: the last value is valid, the next is not.
+TEST(SegmentationOptionsTest, LimitsAreThoseOfTheComments) {
+  const auto message = [](auto member, auto value) {
+    SegmentationOptions options;
+    options.*member = value;
+    return MessageOf(options);
+  };
+  const auto expect_real = [&](auto member, double low, double high) {
+    for (const double valid : {low, high}) EXPECT_EQ(message(member, valid), "no error");
+    EXPECT_NE(message(member, std::nextafter(low, -1e9)), "no error") << low;
+    EXPECT_NE(message(member, std::nextafter(high, 1e9)), "no error") << high;
+  };
+  using Options = SegmentationOptions;
+  expect_real(&Options::min_contrast, 0.0, 1.0);
+  expect_real(&Options::threshold_fraction, 0.0, 1.0);
+  expect_real(&Options::blur_rows, 0.0, 100.0);
+  expect_real(&Options::blur_cols, 0.0, 100.0);
+  expect_real(&Options::contrast, 0.0, 1.0);
+  expect_real(&Options::contrast_db, 0.0, 200.0);
+  expect_real(&Options::looks, kMinLooks, kMaxLooks);
+  expect_real(&Options::os_quantile, 0.01, 0.99);
+  EXPECT_EQ(message(&Options::false_alarm_rate, std::nextafter(1.0, 0.0)), "no error");
+  EXPECT_NE(message(&Options::false_alarm_rate, 1.0), "no error");
+  EXPECT_EQ(message(&Options::sigma_count, 1e-300), "no error");
+  EXPECT_NE(message(&Options::sigma_count, std::numeric_limits<double>::infinity()), "no error");
+
+  const auto expect_whole = [&](int Options::*member, int low, int high) {
+    for (const int valid : {low, high}) EXPECT_EQ(message(member, valid), "no error");
+    EXPECT_NE(message(member, low - 1), "no error") << low;
+    if (high < 1000000) {
+      EXPECT_NE(message(member, high + 1), "no error") << high;
+    }
+  };
+  for (const auto member :
+       {&Options::open_rows, &Options::open_cols, &Options::close_rows, &Options::close_cols})
+    expect_whole(member, 0, 1001);
+  for (const auto member :
+       {&Options::guard_rows, &Options::guard_cols, &Options::training_rows, &Options::training_cols})
+    expect_whole(member, 0, 1000);
+  for (const auto member : {&Options::min_area_px, &Options::max_rows, &Options::max_cols})
+    expect_whole(member, 0, 1000000);
+  for (const auto member : {&Options::cell_rows, &Options::cell_cols}) {
+    for (const int valid : {1, 3, 99, 101}) EXPECT_EQ(message(member, valid), "no error") << valid;
+    for (const int other : {-1, 0, 2, 100, 102, 103}) EXPECT_NE(message(member, other), "no error") << other;
+  }
+  for (const int valid : {0, 3, 5}) EXPECT_EQ(message(&Options::median_px, valid), "no error");
+  for (const int other : {-1, 1, 2, 4, 6, 7})
+    EXPECT_NE(message(&Options::median_px, other), "no error") << other;
+  EXPECT_EQ(MessageOf({.training_rows = 0, .training_cols = 1}), "no error");
+  EXPECT_EQ(MessageOf({.training_rows = 1, .training_cols = 0}), "no error");
+}
+
 TEST(SegmentationOptionsTest, EveryMethodIsFoundByItsName) {
   for (const auto& [word, method] : WordsOf(std::type_identity<SegmentationMethod>{}))
     EXPECT_EQ(FromWord<SegmentationMethod>(ToString(method)), method) << word;

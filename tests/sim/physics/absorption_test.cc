@@ -124,6 +124,62 @@ TEST(Absorption, LimitsAreThoseOfTheAuthors) {
   EXPECT_FALSE(holds(kFrancois, 450e3, with(&Water::ph, 7.0)));
 }
 
+// Each limit in turn, everything else well inside. A value at the limit is valid, one beside it is not.
+TEST(Absorption, EachLimitIsTheLastValueThatIsValid) {
+  struct Limits {
+    AbsorptionFormula formula;
+    double frequency_hz;  // inside
+    double Water::*member;
+    double low;
+    double high;
+  };
+  const Limits limits[] = {
+      {kAinslie, 200e3, &Water::temperature_c, -6.0, 35.0},
+      {kAinslie, 200e3, &Water::salinity_ppt, 5.0, 50.0},
+      {kAinslie, 200e3, &Water::ph, 7.7, 8.3},
+      {kAinslie, 200e3, &Water::depth_m, 0.0, 7000.0},
+      {kFrancois, 200e3, &Water::temperature_c, -1.8, 30.0},
+      {kFrancois, 200e3, &Water::salinity_ppt, 30.0, 35.0},
+      {kFrancois, 200e3, &Water::ph, 7.7, 8.3},
+      {kFrancois, 200e3, &Water::depth_m, 0.0, 3500.0},
+      {kFrancois, 900e3, &Water::temperature_c, 0.0, 30.0},
+      {kFrancois, 900e3, &Water::salinity_ppt, 0.0, 40.0},
+      {kFrancois, 900e3, &Water::depth_m, 0.0, 10000.0},
+  };
+  const Water inside{.temperature_c = 10.0, .salinity_ppt = 33.0, .ph = 8.0, .depth_m = 100.0};
+  for (const Limits& limit : limits) {
+    SCOPED_TRACE(
+        fmt::format("{} at {} Hz, {}..{}", NameOf(limit.formula), limit.frequency_hz, limit.low, limit.high));
+    const auto faults = [&](double value) {
+      Water water = inside;
+      water.*limit.member = value;
+      return OutsideLimits(limit.formula, limit.frequency_hz, water).size();
+    };
+    EXPECT_EQ(faults(limit.low), 0U);
+    EXPECT_EQ(faults(limit.high), 0U);
+    EXPECT_EQ(faults(limit.low - 1e-6), 1U);
+    EXPECT_EQ(faults(limit.high + 1e-6), 1U);
+  }
+}
+
+TEST(Absorption, LimitsOfFrequencyAreTheLastThatAreValid) {
+  const Water& sea = kWaters[0];
+  const auto faults = [](AbsorptionFormula formula, double frequency_hz, const Water& water) {
+    return OutsideLimits(formula, frequency_hz, water).size();
+  };
+  EXPECT_EQ(faults(kAinslie, 100.0, sea), 0U);
+  EXPECT_EQ(faults(kAinslie, 99.9, sea), 1U);
+  EXPECT_EQ(faults(kAinslie, 1e6, sea), 0U);
+  EXPECT_EQ(faults(kAinslie, 1.0001e6, sea), 1U);
+  EXPECT_EQ(faults(kFrancois, 400.0, sea), 0U);
+  EXPECT_EQ(faults(kFrancois, 399.0, sea), 1U);
+  // Up to 500 kHz salts count: fresh water lacks salinity and pH.
+  EXPECT_EQ(faults(kFrancois, 500e3, kWaters[2]), 2U);
+  EXPECT_EQ(faults(kFrancois, 500.1e3, kWaters[2]), 0U);
+  EXPECT_THAT(OutsideLimits(kAinslie, 3e6, sea),
+              ::testing::ElementsAre("frequency 3000 kHz (stated range 0.1..1000)"));
+}
+
 TEST(Absorption, AutoTakesTheFormulaWhoseLimitsHold) {
   // The paper's in the sea; in fresh water and above 1 MHz the other.
   EXPECT_EQ(ResolvedAbsorption(kAuto, 900e3, kWaters[0]), kAinslie);
@@ -156,6 +212,16 @@ TEST(SoundSpeed, MeetsPublishedCheckValues) {
   EXPECT_NEAR(MackenzieSoundSpeed(25.0, 35.0, 1000.0), 1550.744, 5e-4);
   EXPECT_NEAR(BilaniukWongSoundSpeed(15.0), 1465.9, 0.05);
   EXPECT_NEAR(BilaniukWongSoundSpeed(20.0), 1482.4, 0.05);
+}
+
+// Del Grosso and Mader, J. Acoust. Soc. Am. 52(5), 1972: another fit, on another temperature scale.
+TEST(SoundSpeed, PureWaterAgreesWithAnotherFitUpTo95Degrees) {
+  for (double t = 0.0; t <= 95.0; t += 5.0) {
+    const double other = 1402.38754 + 5.03711129 * t - 5.80852166e-2 * std::pow(t, 2) +
+                         3.34198834e-4 * std::pow(t, 3) - 1.47800417e-6 * std::pow(t, 4) +
+                         3.14643091e-9 * std::pow(t, 5);
+    EXPECT_NEAR(BilaniukWongSoundSpeed(t), other, 0.025) << t << " C";
+  }
 }
 
 // Terms that the check value, at 35 ppt, leaves out.
