@@ -51,7 +51,8 @@ TEST_P(FailedWriteTest, LeavesTheEarlierOutputAndOneSentence) {
   const Writer& writer = GetParam();
   const std::string dir = world.scene().parent_path().string();
   std::string arguments = writer.arguments;
-  for (std::size_t at = 0; (at = arguments.find("{}", at)) != std::string::npos;) arguments.replace(at, 2, dir);
+  for (std::size_t at = 0; (at = arguments.find("{}", at)) != std::string::npos;)
+    arguments.replace(at, 2, dir);
   arguments += " -q --out " + Quoted(world / "outputs" / writer.out) + (writer.replaces ? " --force" : "");
   const Outcome first = RunSonarcal(arguments);
   ASSERT_EQ(first.status, 0) << first.err;
@@ -77,18 +78,22 @@ std::vector<Writer> Writers() {
   const std::string simulator = " --params {}/params.json --sonar {}/sonar.json";
   std::vector<Writer> writers = {
       {"Scenes", "scenes --only tank", "scenes"},
-      {"Simulate", "simulate --noise --sonar {}/sonar.json --poses {}/poses.json" + scene + rays, "simulated"},
+      {"Simulate", "simulate --noise --sonar {}/sonar.json --poses {}/poses.json" + scene + rays,
+       "simulated"},
       {"Convert", "convert {}/real", "converted"},
       {"Compare", "compare --real {}/real --sim {}/sim", "compared"},
       {"Fit", "fit --real {}/real --starts 1 --max-iterations 2" + scene + rays, "fitted"},
-      {"Explain", "explain --real {}/real --scene {}/scene.gltf --params {}/acoustic.json" + rays, "explained"},
+      {"Explain", "explain --real {}/real --scene {}/scene.gltf --params {}/acoustic.json" + rays,
+       "explained"},
       {"Png", "export --to png --recording {}/real", "png"}};
   for (const char* kind : {"npz", "mcap", "rosbag1", "mp4"})
-    writers.push_back({kind, fmt::format("export --to {} --recording {{}}/real", kind), fmt::format("a.{}", kind), false});
+    writers.push_back(
+        {kind, fmt::format("export --to {} --recording {{}}/real", kind), fmt::format("a.{}", kind), false});
   for (const char* kind : {"dave", "holoocean", "oceansim"})
     writers.push_back({kind, fmt::format("export --to {}", kind) + simulator, kind, false});
   for (const char* kind : {"dave-ros2", "stonefish", "gazebo"})
-    writers.push_back({kind, fmt::format("export --to {} --scene {{}}/scene.gltf", kind) + simulator, kind, false});
+    writers.push_back(
+        {kind, fmt::format("export --to {} --scene {{}}/scene.gltf", kind) + simulator, kind, false});
   return writers;
 }
 
