@@ -9,6 +9,7 @@
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/files/folder_moves.h"
 #include "data_io/pictures/picture_io.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/ros/bag_recording.h"
@@ -114,6 +115,13 @@ std::unique_ptr<RecordingSource> OpenRecording(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) throw DataError("{}: no such file or folder", path.string());
   const fs::path located = LocateRecording(path);
+  const fs::path folder =
+      fs::canonical(fs::is_directory(located) ? located : fs::absolute(located).parent_path(), error);
+  if (!error && HasUnfinishedMoves(folder)) {
+    throw DataError(
+        "{}: a run that was killed, or is under way, has moved only a part of its files here; run it again",
+        path.string());
+  }
   const Format* format = FormatOf(located);
   if (format == nullptr && kPictures.is(located)) format = &kPictures;
   if (format != nullptr) {

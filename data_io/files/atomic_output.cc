@@ -1,59 +1,22 @@
 #include "data_io/files/atomic_output.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "core/types/error.h"
+#include "data_io/files/file_bytes.h"
+#include "data_io/files/folder_moves.h"
 
 namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void FailToWrite(const fs::path& path, const std::error_code& error) {
-  throw DataError("{}: cannot be written: {}", path.string(), error.message());
-}
-
 std::error_code LastError() {
   const int number = errno;
   return std::error_code(number != 0 ? number : EIO, std::generic_category());
-}
-
-void RefuseWhatIsNoFile(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw DataError("{}: cannot be written: there is a {} of this name, expected a file or nothing",
-                    path.string(), fs::is_directory(status) ? "directory" : "device");
-  }
-}
-
-// Order in which files are moved into place: files that name others come last.
-int Turn(const fs::path& path) {
-  if (path == "provenance.json") return 2;
-  return path.extension() == ".json" ? 1 : 0;
-}
-
-// Names of the files to move into `place`, in their order. Throws DataError if one is in the way of another.
-std::vector<fs::path> StagedFiles(const fs::path& staging, const fs::path& place) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(staging)) {
-    const fs::path name = entry.path().lexically_relative(staging);
-    if (!entry.is_directory()) {
-      files.push_back(name);
-      RefuseWhatIsNoFile(place / name);
-    } else if (fs::exists(place / name) && !fs::is_directory(place / name)) {
-      throw DataError("{}: cannot be written: there is a file of this name, expected a directory or nothing",
-                      (place / name).string());
-    }
-  }
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return Turn(a) != Turn(b) ? Turn(a) < Turn(b) : a < b;
-  });
-  return files;
 }
 
 }  // namespace
@@ -110,6 +73,7 @@ void OutputDirectory::Stage(Aside aside) {
   }
   const FolderLock lock = LockOfParent(place_);
   FinishExchange(place_);
+  FinishMoves(place_);
   RemoveAbandoned(place_);
   const fs::path where = fs::exists(place_, error) ? place_ : place_.parent_path();
   const bool is_shared = aside != Aside::kThisRun;
@@ -170,57 +134,25 @@ void OutputDirectory::Replace(const std::function<Names()>& earlier) {
 void OutputDirectory::MoveIntoPlace(const std::function<Names()>* earlier) {
   const FolderLock lock = LockOfParent(place_);
   FinishExchange(place_);
+  FinishMoves(place_);
   std::error_code error;
   if (!fs::exists(place_, error)) {
     fs::rename(staging_, place_, error);
     if (error) FailToWrite(final_, error);
   } else {
-    const std::vector<fs::path> files = StagedFiles(staging_, place_);
+    FilesToMove(staging_, place_);  // refuses before anything changes
     const Names outdated = earlier != nullptr ? (*earlier)() : Names();
     fs::path old;
     if (earlier != nullptr) old = ExchangeFolder(staging_, place_, outdated, error);
     if (earlier != nullptr && !error) {
       staging_ = old;
     } else if (earlier == nullptr || (CannotBeExchanged(error) && fs::exists(staging_))) {
-      MoveFilesIntoPlace(files, outdated);
+      MoveFiles(staging_, place_, outdated);
     } else {
       FailToWrite(final_, error);
     }
   }
   kept_ = false;
-}
-
-void OutputDirectory::MoveFilesIntoPlace(const std::vector<fs::path>& files, const Names& outdated) const {
-  Names gone = outdated;
-  for (const fs::path& name : files) gone.erase(name);
-  bool is_removed = false;
-  for (const fs::path& name : files) {
-    if (Turn(name) == 2 && !std::exchange(is_removed, true)) RemoveOutdated(gone);
-    std::error_code error;
-    fs::create_directories((place_ / name).parent_path(), error);
-    fs::rename(staging_ / name, place_ / name, error);
-    if (error) FailToWrite(final_ / name, error);
-  }
-  if (!is_removed) RemoveOutdated(gone);
-}
-
-// Looks for the names among the files that are there, because a name may lead out of the directory.
-void OutputDirectory::RemoveOutdated(const Names& outdated) const {
-  if (outdated.empty()) return;
-  Names present;
-  constexpr auto kOptions = fs::directory_options::skip_permission_denied;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(place_, kOptions)) {
-    const fs::path name = entry.path().lexically_relative(place_);
-    if (entry.symlink_status().type() == fs::file_type::regular && outdated.contains(name))
-      present.insert(name);
-  }
-  for (const fs::path& name : present) {
-    std::error_code error;
-    if (!fs::remove(place_ / name, error) && error) FailToWrite(final_ / name, error);
-    for (fs::path parent = name.parent_path(); !parent.empty(); parent = parent.parent_path()) {
-      if (!fs::remove(place_ / parent, error)) break;  // fails, as intended, if the directory is not empty
-    }
-  }
 }
 
 }  // namespace sonarcal::data_io

@@ -29,6 +29,9 @@ void WriteFileWhole(const std::filesystem::path& file, std::string_view bytes);
 //              name the others, and provenance.json after all; replaces files of the same name and leaves the
 //              others
 //
+// If the program is killed while it moves files one by one, the next OutputDirectory of this name moves the
+// rest.
+//
 // Without either, e.g. after an exception, nothing appears and the staged files are removed.
 //
 // Throws DataError if the directory cannot be created or written, or if a file would replace a directory.
@@ -78,7 +81,7 @@ class OutputDirectory {
   // Moves the files one by one, as Commit() does, if the directory cannot be exchanged as a whole: it is a
   // mount point or holds the working directory, its parent is not writable, another run is writing into it,
   // or files that stay belong to another user or cannot be linked. In this case the earlier files are removed
-  // after the new ones have been moved and before the new provenance.json.
+  // after the new ones have been moved and before the new provenance.json (data_io/files/folder_moves.h).
   void Replace(const std::function<std::set<std::filesystem::path>()>& earlier);
 
  private:
@@ -88,8 +91,6 @@ class OutputDirectory {
   void TakeOver(Aside aside);
   void RemoveMadeParents() const;
   void MoveIntoPlace(const std::function<Names()>* earlier);
-  void MoveFilesIntoPlace(const std::vector<std::filesystem::path>& files, const Names& outdated) const;
-  void RemoveOutdated(const Names& outdated) const;
 
   std::filesystem::path final_;
   std::filesystem::path place_;  // the same without symbolic links

@@ -41,4 +41,17 @@ int WriteAll(int descriptor, std::span<const std::byte> bytes) {
   return 0;
 }
 
+void FailToWrite(const std::filesystem::path& path, const std::error_code& error) {
+  throw DataError("{}: cannot be written: {}", path.string(), error.message());
+}
+
+void RefuseWhatIsNoFile(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw DataError("{}: cannot be written: there is a {} of this name, expected a file or nothing",
+                    path.string(), std::filesystem::is_directory(status) ? "directory" : "device");
+  }
+}
+
 }  // namespace sonarcal::data_io

@@ -1,10 +1,11 @@
-// Bytes of a whole file, read with a limit on its size, and bytes written to a descriptor.
+// Bytes of a whole file, read with a limit on its size, bytes written to a descriptor, and refusals to write.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <system_error>
 
 namespace sonarcal::data_io {
 
@@ -15,5 +16,11 @@ std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_byt
 // Writes all bytes to an open file or pipe. Returns 0, or the number of the error (errno). A full disk may
 // take a part of them.
 int WriteAll(int descriptor, std::span<const std::byte> bytes);
+
+// Throws DataError: `path` cannot be written.
+[[noreturn]] void FailToWrite(const std::filesystem::path& path, const std::error_code& error);
+
+// Throws DataError if a directory or device has this name, so that no file can replace it.
+void RefuseWhatIsNoFile(const std::filesystem::path& path);
 
 }  // namespace sonarcal::data_io

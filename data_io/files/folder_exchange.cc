@@ -271,7 +271,10 @@ fs::path ExchangeFolder(const fs::path& staged, const fs::path& folder, const st
   error = carry_over.All();
   if (!error) error = Swap(next, folder, old);
   if (error) {
-    if (fs::exists(folder, ignored) && !carry_over.Undo()) fs::rename(next, staged, ignored);
+    if (!fs::exists(folder, ignored)) return {};
+    std::error_code undone = carry_over.Undo();
+    if (!undone) fs::rename(next, staged, undone);
+    if (undone) error = undone;
     return {};
   }
   const fs::path unique = UniquePath(folder.parent_path(), folder);

@@ -49,6 +49,17 @@ TEST(OpenRecording, NoFileIsTakenForARecordingByItsFirstLettersAlone) {
               ThrowsMessage<DataError>(HasSubstr("data end at byte 4")));
 }
 
+TEST(OpenRecording, AFolderIntoWhichARunHasMovedAPartIsRefused) {
+  const testing::TempDir dir;
+  std::filesystem::create_directories(dir / "out/.out.partial-moving");
+  testing::WriteFile(dir / "out/recording.json", "{}");
+  for (const char* name : {"out", "out/", "out/recording.json", "out/../out"}) {
+    EXPECT_THAT([&] { OpenRecording(dir / name); },
+                ThrowsMessage<DataError>(HasSubstr("only a part of its files")))
+        << name;
+  }
+}
+
 TEST(OpenRecording, OpensEveryRealRecording) {
   for (const char* name :
        {"aris1200_telephoto/sample.aris", "aris3000_broken/output.aris", "oculus_m1200d/one_ping_8bit.raw",
