@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
+#include "data_io/json/json_fields.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -14,6 +15,13 @@ using Json = nlohmann::ordered_json;
 
 Json FiniteOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json ToJson(const FrameSaturation& saturation) {
+  return {{"frame", saturation.frame},
+          {"streaks", data_io::StreaksJson(saturation.streaks)},
+          {"level", saturation.level ? Json(*saturation.level) : Json(nullptr)},
+          {"pixels_at_level", saturation.pixels_at_level}};
 }
 
 }  // namespace
@@ -119,6 +127,9 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
   json["termination"] = report.termination;
   json["frames_used"] = report.frames_used;
   json["frames_held_out"] = report.frames_held_out;
+  json["saturation"] = Json::array();
+  for (const FrameSaturation& saturation : report.saturation)
+    json["saturation"].push_back(ToJson(saturation));
   json["timing_s"] = {{"trace", report.trace_s}, {"solve", report.solve_s}};
   json["rays_cast"] = report.rays_cast;
   if (!extra_members.empty()) {

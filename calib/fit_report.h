@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calib/fitted_curve.h"
+#include "calib/models/frame_saturation.h"
 #include "core/types/words.h"
 
 namespace sonarcal::calib {
@@ -90,6 +91,7 @@ struct FitReport {
   std::string termination;
   std::vector<int> frames_used;
   std::vector<int> frames_held_out;
+  std::vector<FrameSaturation> saturation;  // frames, used or held out, with traces of a saturated receiver
   double trace_s = 0.0;
   // Time of the whole fit. For the acoustic model, includes tracing and gathering during the fit.
   double solve_s = 0.0;

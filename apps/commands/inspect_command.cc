@@ -138,6 +138,22 @@ std::string PixelsText(const data_io::PixelSummary& pixels, const ImageScale& sc
   return text;
 }
 
+std::string SaturationText(const data_io::RecordingSummary& summary, const PolarAxes& axes) {
+  std::string text;
+  if (!summary.streaks.empty())
+    text = "streaks along azimuth in the first frame: " + Describe(summary.streaks, axes);
+  if (summary.saturation_level) {
+    text += fmt::format("{}values of the first frame pile up at {:g}", text.empty() ? "" : "; ",
+                        *summary.saturation_level);
+  }
+  return text;
+}
+
+Json SaturationToJson(const data_io::RecordingSummary& summary) {
+  return {{"streaks", data_io::StreaksJson(summary.streaks)},
+          {"level", summary.saturation_level ? Json(*summary.saturation_level) : Json(nullptr)}};
+}
+
 template <typename T>
 void SetIfKnown(Json& json, const char* key, const std::optional<T>& value) {
   if (value) json[key] = *value;
@@ -173,7 +189,8 @@ Json ImageToJson(const ImageScale& scale, const data_io::RecordingSummary& summa
                            {"median", pixels.median},
                            {"maximum", pixels.maximum},
                            {"at_minimum_fraction", pixels.at_minimum_fraction},
-                           {"at_full_scale_fraction", pixels.at_full_scale_fraction}};
+                           {"at_full_scale_fraction", pixels.at_full_scale_fraction},
+                           {"saturation", SaturationToJson(summary)}};
   }
   return json;
 }
@@ -195,6 +212,8 @@ std::string DescribeRecording(const RecordingSource& recording) {
   page.Add("scale", ScaleText(info.scale));
   page.Add("settings", Describe(info.settings));
   if (summary.first_frame) page.Add("first frame", PixelsText(*summary.first_frame, info.scale));
+  if (const std::string text = SaturationText(summary, info.sonar.axes); !text.empty())
+    page.Add("saturated", text);
   if (!summary.first_frame_failure.empty()) page.Add("first frame", summary.first_frame_failure);
   if (info.sonar.sound_speed_m_per_s > 0.0) {
     page.Add("sound speed", fmt::format("{:.2f} m/s", info.sonar.sound_speed_m_per_s));

@@ -2,10 +2,21 @@
 
 #include <algorithm>
 
+#include "calib/models/frame_saturation.h"
 #include "core/types/error.h"
 #include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal::workflow {
+namespace {
+
+std::vector<std::uint8_t> WithoutStreaks(const RecordingInfo& info, const PolarImage& image,
+                                         const std::optional<Mask>& pixels) {
+  std::vector<std::uint8_t> use = ValidPixels(info, pixels);
+  calib::LeaveOutStreaks(image, info.valid, use);
+  return use;
+}
+
+}  // namespace
 
 void CheckFittable(const RecordingSource& recording, const ParameterSet& initial,
                    const FitRecordingOptions& options) {
@@ -55,10 +66,12 @@ std::vector<calib::FitFrame> PaperFrames(const RecordingSource& recording,
   frames.reserve(indices.size());
   for (const int index : indices) {
     const PolarImage image = recording.ReadFrame(index).image;
+    std::vector<std::uint8_t> use = ValidPixels(recording.info(), options.pixels);
+    calib::LeaveOutSaturated(image, recording.info().valid, use);
     frames.push_back({.index = index,
                       .echoes = echoes[index],
                       .measured = calib::MeasuredForFit(image),
-                      .use = ValidPixels(recording.info(), options.pixels),
+                      .use = std::move(use),
                       .level = calib::GreyLevel(image)});
   }
   return frames;
@@ -72,10 +85,11 @@ std::vector<calib::AcousticFrame> AcousticFrames(const RecordingSource& recordin
   std::vector<calib::AcousticFrame> frames;
   frames.reserve(indices.size());
   for (const int index : indices) {
+    const PolarImage image = recording.ReadFrame(index).image;
     frames.push_back({.index = index,
                       .world_from_sonar = poses[index].world_from_sonar,
-                      .recorded = calib::RecordedPowers(recording.ReadFrame(index).image, display),
-                      .use = ValidPixels(recording.info(), options.pixels),
+                      .recorded = calib::RecordedPowers(image, display),
+                      .use = WithoutStreaks(recording.info(), image, options.pixels),
                       .pings = PosesOfPings(recording.info().sonar.pings, poses[index].motion)});
   }
   return frames;
@@ -88,10 +102,12 @@ std::vector<calib::GreyFrame> GreyFrames(const RecordingSource& recording,
   frames.reserve(indices.size());
   for (const int index : indices) {
     const data_io::TimedPose& pose = poses.at(index);
+    PolarImage image = recording.ReadFrame(index).image;
+    std::vector<std::uint8_t> use = WithoutStreaks(recording.info(), image, pixels);
     frames.push_back({.index = index,
                       .world_from_sonar = pose.world_from_sonar,
-                      .image = recording.ReadFrame(index).image,
-                      .use = ValidPixels(recording.info(), pixels),
+                      .image = std::move(image),
+                      .use = std::move(use),
                       .pings = PosesOfPings(recording.info().sonar.pings, pose.motion)});
   }
   return frames;

@@ -17,6 +17,7 @@
 #include "calib/models/ping_echoes.h"
 #include "calib/parameters/placement_steps.h"
 #include "calib/parameters/pose_step.h"
+#include "core/imaging/saturation.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/acoustic/acoustic_frame.h"
@@ -65,17 +66,19 @@ std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const Display
     throw DataError("fit: the recorded image holds {}, expected grey levels", ToString(image.scale.quantity));
   }
   const double full_scale = image.scale.full_scale;
+  const double top = TopLevel(image);
   const auto power_of = [&](double grey) { return sim::PowerFromDisplay(display, grey / full_scale); };
   std::vector<RecordedPower> recorded;
   recorded.reserve(image.value.size());
   for (const float value : image.value.values()) {
     const double grey = value;
     if (!std::isfinite(grey)) throw DataError("fit: a recorded pixel is not finite");
-    // A grey level stands for all values that round to it. Level 0 also stands for all lower powers.
+    // A grey level stands for all values that round to it. Level 0 also stands for all lower powers, the top
+    // level for all higher ones.
     if (grey < 0.5) {
       recorded.push_back({power_of(0.5), Censoring::kAtMost});
-    } else if (grey > full_scale - 0.5) {
-      recorded.push_back({power_of(full_scale - 0.5), Censoring::kAtLeast});
+    } else if (grey > top - 0.5) {
+      recorded.push_back({power_of(top - 0.5), Censoring::kAtLeast});
     } else if (const double power = power_of(grey); power > 0.0) {
       recorded.push_back({power, Censoring::kNone});
     } else {

@@ -43,7 +43,8 @@ struct AcousticFrame {
   std::vector<PingPose> pings = {};
 };
 
-// Powers behind the grey values of an image. Values at the ends of the display are censored.
+// Powers behind the grey values of an image. Values at the ends of the display, and those at which a
+// saturated receiver piles up (core/imaging/saturation.h), are censored.
 std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const DisplayParameters<double>& display);
 
 class AcousticFrameModel final : public FrameModel {

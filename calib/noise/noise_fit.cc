@@ -269,6 +269,7 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   fit.report.start_costs = best.start_costs;
   fit.report.frames_used = frames_used;
   fit.report.frames_held_out = held_out;
+  fit.report.saturation = FindSaturation(recording, frames_all);
   fit.all = JudgeNoise(fit.law, recording, frames_all, fit.cells, fit.weight, options.absorption_db_per_m);
   fit.report.raw = fit.used.raw;
   fit.report.whitened = fit.used.whitened;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "core/imaging/saturation.h"
+
 namespace sonarcal::calib {
 namespace {
 
@@ -42,7 +44,13 @@ NoiseCounts CountGrey(const PolarImage& image, const NoiseCells& cells) {
   }
   const int levels = cells.full_scale + 1;
   std::vector<int> dense(static_cast<std::size_t>(cells.count()) * levels);
+  const std::vector<AzimuthStreak> streaks = FindAzimuthStreaks(image, cells.valid ? &*cells.valid : nullptr);
+  const auto is_streak = [&](int bin) {
+    return std::ranges::any_of(
+        streaks, [bin](const AzimuthStreak& of) { return bin >= of.first_bin && bin < of.end_bin; });
+  };
   for (int bin = cells.first_bin; bin < cells.last_bin; ++bin) {
+    if (is_streak(bin)) continue;
     const int band = (bin - cells.first_bin) / cells.band_bins;
     for (int beam = 0; beam < cells.beams(); ++beam) {
       if (cells.valid && (*cells.valid)(bin, beam) == 0) continue;

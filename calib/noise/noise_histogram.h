@@ -36,8 +36,8 @@ struct NoiseCells {
 // Counts of one ping or of several. cell = band * beams + beam; levels rise within a cell.
 using NoiseCounts = std::vector<std::vector<LevelCount>>;
 
-// Rounds values to whole levels. Throws DataError if the image is not grey with `cells.full_scale` or has
-// other axes.
+// Rounds values to whole levels. Leaves out the bins of streaks along azimuth (core/imaging/saturation.h).
+// Throws DataError if the image is not grey with `cells.full_scale` or has other axes.
 NoiseCounts CountGrey(const PolarImage& image, const NoiseCells& cells);
 
 NoiseCounts AddCounts(std::span<const NoiseCounts> pings, const NoiseCells& cells);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "calib/noise/noise_likelihood.h"
+#include "core/imaging/saturation.h"
 #include "core/math/statistics.h"
 #include "core/types/error.h"
 
@@ -20,13 +21,18 @@ int FullScale(const PolarImage& image) {
   return static_cast<int>(std::lround(image.scale.full_scale));
 }
 
+int Top(const PolarImage& image) {
+  return static_cast<int>(std::lround(TopLevel(image)));
+}
+
 GreyLevels LevelsOf(const ParameterSet& parameters, const PolarImage& image) {
   return {NoiseLaw{.display = parameters.display, .receiver = parameters.receiver}, FullScale(image), false};
 }
 
-double LogChance(const GreyLevels& levels, int full_scale, int level, double mean_power) {
+// `top`: level that stands for all higher ones, too.
+double LogChance(const GreyLevels& levels, int full_scale, int top, int level, double mean_power) {
   const QuantileBound lower = levels.Bound(level - 1, mean_power);
-  const QuantileBound upper = levels.Bound(level, mean_power);
+  const QuantileBound upper = levels.Bound(level >= top ? full_scale : level, mean_power);
   const double chance = lower.below < 0.5 ? upper.below - lower.below : lower.beyond - upper.beyond;
   return std::log((1.0 - kOutlierFraction) * std::max(chance, 0.0) + kOutlierFraction / (full_scale + 1.0));
 }
@@ -52,11 +58,12 @@ double LogLikelihood(const std::vector<GreyFrame>& frames, const std::vector<std
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const GreyLevels levels = LevelsOf(parameters, frames[f].image);
     const int full_scale = FullScale(frames[f].image);
+    const int top = Top(frames[f].image);
     const auto values = frames[f].image.value.values();
     for (std::size_t pixel = f % every; pixel < values.size(); pixel += every) {
       if (!Counts(frames[f], pixel)) continue;
-      nats +=
-          LogChance(levels, full_scale, static_cast<int>(std::lround(values[pixel])), mean_power[f][pixel]);
+      nats += LogChance(levels, full_scale, top, static_cast<int>(std::lround(values[pixel])),
+                        mean_power[f][pixel]);
     }
   }
   return nats;
@@ -139,8 +146,8 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
   for (std::size_t f = 0; f < frames.size(); ++f) CheckSizes(frames[f], mean_power[f]);
   return InBlocks(frames, block_bins, block_beams, [&](std::size_t f) {
     return [levels = LevelsOf(parameters, frames[f].image), full_scale = FullScale(frames[f].image),
-            &mean = mean_power[f]](int level, std::size_t pixel) {
-      return LogChance(levels, full_scale, level, mean[pixel]);
+            top = Top(frames[f].image), &mean = mean_power[f]](int level, std::size_t pixel) {
+      return LogChance(levels, full_scale, top, level, mean[pixel]);
     };
   });
 }
@@ -175,14 +182,14 @@ BlockedLikelihood GreyLikelihood(const std::vector<GreyFrame>& frames,
                                  const std::vector<std::vector<double>>& expected_grey,
                                  const NormalGreyLaw& law, int block_bins, int block_beams) {
   return InBlocks(frames, block_bins, block_beams, [&](std::size_t f) {
-    return [&law, full_scale = FullScale(frames[f].image), &expected = expected_grey[f]](int level,
-                                                                                         std::size_t pixel) {
+    return [&law, full_scale = FullScale(frames[f].image), top = Top(frames[f].image),
+            &expected = expected_grey[f]](int level, std::size_t pixel) {
       const double middle = expected[pixel] + law.offset;
       const auto below = [&](double grey) {
         return 0.5 * std::erfc((middle - grey) / (law.sigma * std::sqrt(2.0)));
       };
       const double lower = level <= 0 ? 0.0 : below(level - 0.5);
-      const double upper = level >= full_scale ? 1.0 : below(level + 0.5);
+      const double upper = level >= top ? 1.0 : below(level + 0.5);
       return std::log((1.0 - kOutlierFraction) * std::max(upper - lower, 0.0) +
                       kOutlierFraction / (full_scale + 1.0));
     };

@@ -91,6 +91,13 @@ nlohmann::ordered_json WaterJson(const Water& water) {
   return MemberJson(water);
 }
 
+nlohmann::ordered_json StreaksJson(const std::vector<AzimuthStreak>& streaks) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const AzimuthStreak& streak : streaks)
+    json.push_back({{"bins", {streak.first_bin, streak.end_bin}}, {"bright", streak.bright}});
+  return json;
+}
+
 nlohmann::ordered_json SonarJson(const SonarModel& sonar) {
   nlohmann::ordered_json json = {{"name", sonar.name}};
   const auto write_known = [&json](const char* key, double value) {

@@ -6,10 +6,14 @@
 //    "elevation_beam_width_deg", "range_min_m", "range_max_m", "range_bins", "sound_speed_m_per_s",
 //    "beam_forming": "array" | "lens", "pings": {"of_beam": [0, 1, ...], "period_s", "first_s"}}
 //   {"velocity_m_per_s": [x, y, z], "turn_rate_deg_per_s": [x, y, z]}
+//   [{"bins": [first, end], "bright": true}]
 #pragma once
+
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/imaging/saturation.h"
 #include "core/types/pings.h"
 #include "core/types/pose.h"
 #include "core/types/sonar_model.h"
@@ -31,6 +35,9 @@ PingPattern ReadPings(const JsonReader& json, int beams);
 // All four values are required and must lie within the limits of core/types/parameter_table.h.
 Water ReadWater(const JsonReader& json);
 nlohmann::ordered_json WaterJson(const Water& water);
+
+// Streaks of an image (core/imaging/saturation.h).
+nlohmann::ordered_json StreaksJson(const std::vector<AzimuthStreak>& streaks);
 
 // Omits unknown values (0), as readers expect (data_io/recordings/recording_io.h).
 nlohmann::ordered_json SonarJson(const SonarModel& sonar);

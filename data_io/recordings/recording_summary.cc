@@ -65,7 +65,13 @@ RecordingSummary Summarize(const RecordingSource& recording) {
   if (recording.frame_count() > 0) {
     try {
       const Frame frame = recording.ReadFrame(0);
-      if (!frame.image.value.empty()) summary.first_frame = SummarizePixels(frame.image);
+      if (frame.image.value.empty()) return summary;
+      summary.first_frame = SummarizePixels(frame.image);
+      if (frame.image.scale.quantity == Quantity::kGrey) {
+        const std::optional<Mask>& valid = recording.info().valid;
+        summary.streaks = FindAzimuthStreaks(frame.image, valid ? &*valid : nullptr);
+        summary.saturation_level = FindSaturationLevel(frame.image);
+      }
     } catch (const DataError& error) {
       summary.first_frame_failure = error.what();
     }

@@ -3,7 +3,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/imaging/saturation.h"
 #include "core/types/recording.h"
 
 namespace sonarcal::data_io {
@@ -27,7 +29,10 @@ struct RecordingSummary {
   int frames_with_time = 0;
   std::optional<double> duration_s;  // first to last frame, if both have a time
   std::optional<PixelSummary> first_frame;
-  // reason why there is none; empty if there is one, or if there are no frames
+  // Traces of a saturated receiver in the first frame (core/imaging/saturation.h).
+  std::vector<AzimuthStreak> streaks;
+  std::optional<double> saturation_level;
+  // reason why there is no first frame; empty if there is one, or if there are no frames
   std::string first_frame_failure;
 
   bool EvenBeams() const {

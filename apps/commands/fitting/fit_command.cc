@@ -22,6 +22,7 @@
 #include "apps/commands/fitting/fit_noise.h"
 #include "apps/commands/fitting/fit_standard_target.h"
 #include "apps/report/html/report_end.h"
+#include "apps/report/pictures/saturation_pictures.h"
 #include "apps/report/sections/choice_section.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/fit_section.h"
@@ -231,6 +232,8 @@ report::HtmlReport MakeReport(const workflow::RecordingFit& fit, const Recording
   report::AddFitComparison(report, fit);
   if (fit.choice) report::AddModelChoice(report, *fit.choice);
   report::AddUnexplained(report, fit);
+  report::AddSaturation(report, fit.fit.report.saturation, info.sonar.axes, fit.saturated_frames,
+                        info.synthetic);
   report.Section("Fitted values");
   report::AddFittedValues(report, fit);
   report::AddStillPoses(report, fit.still);

@@ -12,6 +12,7 @@
 #include "apps/commands/fitting/fit_ending.h"
 #include "apps/commands/fitting/recorded_display.h"
 #include "apps/report/html/report_end.h"
+#include "apps/report/pictures/saturation_pictures.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/noise_section.h"
 #include "apps/report/sections/still_section.h"
@@ -204,6 +205,7 @@ std::string SummaryText(const calib::NoiseFit& fit, const std::string& recording
   text += report::NoiseAgreementText(fit.judged);
   text += "  " + report::NoiseResultText(fit) + "\n";
   text += "  " + report::NoiseDriftText(fit.all) + "\n";
+  if (!fit.report.saturation.empty()) text += "  " + calib::SaturationText(fit.report.saturation) + "\n";
   if (ShareLeftOut(fit) > 0.0)
     text += fmt::format("  {:.1f} % of the cells left out\n", 100.0 * ShareLeftOut(fit));
   return text + fmt::format("report: {}\n", (out / "report.html").string());
@@ -225,6 +227,7 @@ report::HtmlReport MakeReport(const calib::NoiseFit& fit, const RecordingInfo& i
                    workflow::RecordingName(info) + " is simulated, not recorded by a sonar.");
   }
   report::AddNoiseSections(report, fit, info.synthetic);
+  report::AddSaturation(report, fit.report.saturation, info.sonar.axes);
   report::EndReport(report, provenance);
   return report;
 }

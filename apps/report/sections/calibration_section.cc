@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "apps/report/pictures/saturation_pictures.h"
 #include "apps/report/sections/comparison_section.h"
 #include "apps/report/sections/fit_section.h"
 #include "apps/workflow/calibration/calibration_plan.h"
@@ -56,6 +57,9 @@ void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration
   report.Section("Before and after");
   AddFitComparison(report, calibration.evaluation);
   AddUnexplained(report, calibration.evaluation);
+  const workflow::RecordingFit& evaluation = calibration.evaluation;
+  AddSaturation(report, evaluation.fit.report.saturation, evaluation.axes, evaluation.saturated_frames,
+                evaluation.after.real_is_synthetic);
   report.Section("Fitted values");
   report.Paragraph("These values come from the last fit, to all frames used.");
   AddFittedValues(report, calibration.fit);
