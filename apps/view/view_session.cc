@@ -144,16 +144,19 @@ ViewImage ViewSession::RenderNow(const ViewState& state) {
     throw DataError("the model 'coherent' is too slow to follow a slider, expected 'paper' or 'acoustic'");
   }
   const std::shared_ptr<const sim::Simulator> simulator = SimulatorFor(state);
-  const Pose pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
+  const data_io::TimedPose at = Poses(state)[static_cast<std::size_t>(state.frame)];
+  const Pose& pose = at.world_from_sonar;
+  const std::vector<PingPose> pings = PosesOfPings(simulator->sonar().pings, at.motion);
   ViewImage rendered;
   const auto start = std::chrono::steady_clock::now();
   if (state.noise || state.parameters.model == EchoModel::kAcoustic) {
-    rendered.image = simulator->Render(pose, state.parameters, state.frame);
+    rendered.image = simulator->RenderPings(pose, pings, state.parameters, state.frame);
     rendered.traced = true;
     rendered.trace_s = Seconds(std::chrono::steady_clock::now() - start);
   } else {
-    rendered.image =
-        workflow::ExpectedFrame(*simulator, EchoesFor(*simulator, pose, rendered), state.parameters);
+    rendered.image = RenderByPing(pose, pings, [&](const Pose& of_ping) {
+      return workflow::ExpectedFrame(*simulator, EchoesFor(*simulator, of_ping, rendered), state.parameters);
+    });
     rendered.shade_s = Seconds(std::chrono::steady_clock::now() - start) - rendered.trace_s;
   }
   last_state_ = state;
@@ -196,11 +199,15 @@ ViewComparison ViewSession::Compare(const ViewState& state) {
     info = workflow::SimulatedRecordingInfo(*simulator, state.parameters, setup_.scene_path, !state.noise);
   }
   Frame recorded = Recorded(state.frame);
-  const Pose pose = Poses(state)[static_cast<std::size_t>(state.frame)].world_from_sonar;
+  const data_io::TimedPose at = Poses(state)[static_cast<std::size_t>(state.frame)];
+  const Pose& pose = at.world_from_sonar;
   ViewComparison comparison;
   if (state.parameters.model == EchoModel::kAcoustic && recorded.image.scale.quantity == Quantity::kGrey &&
       recorded.image.axes.Matches(simulator->sonar().axes)) {
-    const calib::GreyFrame grey = {.index = state.frame, .world_from_sonar = pose, .image = recorded.image};
+    const calib::GreyFrame grey = {.index = state.frame,
+                                   .world_from_sonar = pose,
+                                   .image = recorded.image,
+                                   .pings = PosesOfPings(simulator->sonar().pings, at.motion)};
     comparison.nats_per_pixel = calib::LogLikelihoodPerPixel(*simulator, grey, state.parameters);
   }
   simulated.info = {.name = recorded.info.name, .time_s = recorded.info.time_s, .world_from_sonar = {}};

@@ -26,13 +26,14 @@ std::optional<FrameSaturation> FindSaturation(int frame, const PolarImage& image
                         .streaks = FindAzimuthStreaks(image, PointerTo(valid))};
   if (!found.level && found.streaks.empty()) return std::nullopt;
   if (found.level) {
-    found.pixels_at_level = std::ranges::count_if(
-        image.value.values(), [&](float value) { return value > *found.level - 0.5; });
+    found.pixels_at_level =
+        std::ranges::count_if(image.value.values(), [&](float value) { return value > *found.level - 0.5; });
   }
   return found;
 }
 
-std::vector<FrameSaturation> FindSaturation(const RecordingSource& recording, const std::vector<int>& frames) {
+std::vector<FrameSaturation> FindSaturation(const RecordingSource& recording,
+                                            const std::vector<int>& frames) {
   std::vector<FrameSaturation> all;
   for (const int frame : frames) {
     if (auto found = FindSaturation(frame, recording.ReadFrame(frame).image, recording.info().valid))

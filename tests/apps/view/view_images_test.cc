@@ -47,6 +47,33 @@ TEST_F(ViewApiTest, MovedControlsMakeTheImageThatTheSavedFilesMake) {
   EXPECT_NE(GreyOf(ReadFramed(Post("/api/render", state))), noisy);
 }
 
+// A sonar that turns by 2 degrees while four pings receive its beams.
+TEST_F(ViewApiTest, BeamsHaveThePosesOfTheirPings) {
+  Json sonar = ReadJsonFile(world_.sonar());
+  for (int beam = 0; beam < 24; ++beam) sonar["sonar"]["pings"]["of_beam"].push_back(beam % 4);
+  sonar["sonar"]["pings"]["period_s"] = 0.01;
+  testing::WriteFile(world_.sonar(), sonar.dump());
+  Json poses = ReadJsonFile(world_.poses());
+  for (Json& pose : poses["poses"]) pose["motion"] = {{"turn_rate_deg_per_s", {0, 0, 66}}};
+  testing::WriteFile(world_.poses(), poses.dump());
+  commands::ViewOptions options = Options();
+  options.real = world_.WriteSimulated("turning", true);
+  const std::vector<float> still = GreyOf(ReadFramed(Post("/api/render", State())));
+  session_ = std::make_unique<ViewSession>(commands::SetUpView(options));
+  api_ = std::make_unique<ViewApi>(*session_, options.out);
+  const std::vector<float> turning = GreyOf(ReadFramed(Post("/api/render", State())));
+  EXPECT_EQ(turning, FrameOf(world_.WriteSimulated("expected", false, true), 0));
+  EXPECT_NE(turning, still);
+  Json state = State();
+  state["noise"] = true;
+  EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), FrameOf(options.real, 0));
+  state["noise"] = false;
+  state["parameters"]["model"] = "acoustic";
+  state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
+  state["parameters"]["receiver"]["noise_db"] = 70;
+  EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), Simulated(state, 0)) << "with the saved motion";
+}
+
 TEST_F(ViewApiTest, AcousticImagesAreThoseOfSimulateToTheBit) {
   Json state = State();
   state["parameters"]["model"] = "acoustic";

@@ -64,10 +64,9 @@ class SaturatedReceiver : public ::testing::Test {
     }
     SimulateOptions options;
     options.bits = 12;
-    return Simulate(
-        testing::SmallTank(),
-        {.sonar = testing::SmallSonar(), .water = Water{.salinity_ppt = 0.5}, .input = {}}, coherent, poses,
-        options);
+    return Simulate(testing::SmallTank(),
+                    {.sonar = testing::SmallSonar(), .water = Water{.salinity_ppt = 0.5}, .input = {}},
+                    coherent, poses, options);
   }
 };
 
@@ -102,7 +101,8 @@ TEST_F(SaturatedReceiver, StreaksAreLeftOutOfTheFitAndNamed) {
 TEST_F(SaturatedReceiver, ValuesThatPileUpStandForAllHigherPowers) {
   std::vector<Frame> frames = Frames();
   std::vector<float> values;
-  for (const Frame& frame : frames) values.insert(values.end(), frame.image.value.values().begin(), frame.image.value.values().end());
+  for (const Frame& frame : frames)
+    values.insert(values.end(), frame.image.value.values().begin(), frame.image.value.values().end());
   std::ranges::sort(values);
   const float limit = values[values.size() * 9 / 10];
   for (Frame& frame : frames) {
@@ -116,7 +116,8 @@ TEST_F(SaturatedReceiver, ValuesThatPileUpStandForAllHigherPowers) {
   const double off_by_limit = std::abs(*fit.fit.report.Find("receiver.noise_db")->sigma);
   EXPECT_NEAR(Noise(fit).value, *Truth().receiver.noise_db, 4.0 * off_by_limit);
   for (const calib::FittedCurve& curve : clean.fit.report.curves) {
-    const auto limited = std::ranges::find(fit.fit.report.curves, curve.material, &calib::FittedCurve::material);
+    const auto limited =
+        std::ranges::find(fit.fit.report.curves, curve.material, &calib::FittedCurve::material);
     ASSERT_NE(limited, fit.fit.report.curves.end());
     int compared = 0;
     for (std::size_t i = 0; i < curve.backscatter_db.size(); ++i) {

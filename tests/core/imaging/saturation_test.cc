@@ -19,7 +19,10 @@ constexpr int kBeams = 64;
 constexpr double kFullScale = 255.0;
 
 PolarImage ImageOf(const Grid<double>& power, double db_min, double db_max) {
-  PolarImage image{{}, {.quantity = Quantity::kGrey, .full_scale = kFullScale, .db_min = {}, .db_max = {}, .db_span = {}}, {}};
+  PolarImage image{
+      {},
+      {.quantity = Quantity::kGrey, .full_scale = kFullScale, .db_min = {}, .db_max = {}, .db_span = {}},
+      {}};
   image.value = Grid<float>(power.rows(), power.cols());
   for (std::size_t i = 0; i < power.size(); ++i) {
     const double level = (10.0 * std::log10(power.values()[i]) - db_min) / (db_max - db_min);
@@ -145,7 +148,8 @@ TEST(AzimuthStreaksTest, WaterFloorWallAndTargetHaveNone) {
     }
   }
   for (int seed = 0; seed < 50; ++seed) {
-    EXPECT_TRUE(FindAzimuthStreaks(ImageOf(Speckle(Grid<double>(kBins, kBeams, 1.0), seed), -20.0, 20.0)).empty())
+    EXPECT_TRUE(
+        FindAzimuthStreaks(ImageOf(Speckle(Grid<double>(kBins, kBeams, 1.0), seed), -20.0, 20.0)).empty())
         << seed;
     EXPECT_TRUE(FindAzimuthStreaks(ImageOf(Speckle(mean, seed), -20.0, 60.0)).empty()) << seed;
   }
@@ -162,7 +166,8 @@ TEST(AzimuthStreaksTest, PixelsThatAreNotValidDoNotCount) {
 }
 
 TEST(AzimuthStreaksTest, FewBeamsOrBinsHaveNone) {
-  for (const auto& [bins, beams] : {std::pair(1, 1), std::pair(500, 1), std::pair(500, 15), std::pair(17, 64)}) {
+  for (const auto& [bins, beams] :
+       {std::pair(1, 1), std::pair(500, 1), std::pair(500, 15), std::pair(17, 64)}) {
     Grid<double> mean(bins, beams, 1.0);
     for (int beam = 0; beam < beams; ++beam) mean(bins / 2, beam) = 1e4;
     EXPECT_TRUE(FindAzimuthStreaks(ImageOf(Speckle(mean, 1), -20.0, 60.0)).empty()) << bins << " x " << beams;
@@ -187,7 +192,8 @@ TEST(SaturationLevelTest, FullScaleAndImagesOfFewLevelsHaveNone) {
   EXPECT_FALSE(FindSaturationLevel(clipped));
   EXPECT_FALSE(FindSaturationLevel(ImageOf(mean, -30.0, 20.0)));  // one level
   int found = 0;
-  for (int seed = 0; seed < 200; ++seed) found += FindSaturationLevel(ImageOf(Speckle(mean, seed), -30.0, 20.0)).has_value();
+  for (int seed = 0; seed < 200; ++seed)
+    found += FindSaturationLevel(ImageOf(Speckle(mean, seed), -30.0, 20.0)).has_value();
   EXPECT_EQ(found, 0);
 }
 

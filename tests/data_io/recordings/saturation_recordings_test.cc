@@ -34,13 +34,14 @@ TEST_P(SaturationOfRecording, IsFoundInItsFrames) {
   RecordProperty("frames", frames);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, SaturationOfRecording,
-    ::testing::Values(Case{"aris1200_telephoto/sample.aris"}, Case{"aris3000_broken/output.aris"},
-                      Case{"oculus_m1200d/one_ping_8bit.raw", 254.0}, Case{"didson_hull/background"},
-                      Case{"didson_hull/test"}, Case{"neusis_pickles"}, Case{"synthetic_tank"},
-                      Case{"synthetic_tank_ghosts"}, Case{"synthetic_tank_static"},
-                      Case{"synthetic_tank_poses"}, Case{"synthetic_tank_geometry"}));
+INSTANTIATE_TEST_SUITE_P(All, SaturationOfRecording,
+                         ::testing::Values(Case{"aris1200_telephoto/sample.aris"},
+                                           Case{"aris3000_broken/output.aris"},
+                                           Case{"oculus_m1200d/one_ping_8bit.raw", 254.0},
+                                           Case{"didson_hull/background"}, Case{"didson_hull/test"},
+                                           Case{"neusis_pickles"}, Case{"synthetic_tank"},
+                                           Case{"synthetic_tank_ghosts"}, Case{"synthetic_tank_static"},
+                                           Case{"synthetic_tank_poses"}, Case{"synthetic_tank_geometry"}));
 
 }  // namespace
 }  // namespace sonarcal::data_io
