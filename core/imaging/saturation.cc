@@ -19,6 +19,7 @@ constexpr int kMinBeamsOfSection = 4;
 constexpr int kMinSections = 4;
 constexpr int kGroupsOfSide = 8;
 constexpr double kDeviations = 3.0;
+constexpr double kDeviationsOfBin = 1.0;
 constexpr double kMinDarkShare = 0.75;
 constexpr int kWidestShare = 64;
 constexpr double kLeastStep = 1.0 / 255.0;  // of full scale
@@ -60,26 +61,79 @@ class SectionMeans {
   BoxSums count_;
 };
 
-struct Bounds {
-  double lower = 0.0;
-  double upper = 0.0;
+// Mean and standard deviation of groups of range bins beside a tested one.
+struct Side {
+  double mean = 0.0;
+  double deviation = 0.0;
 };
 
-// Bounds that a group of `bins` range bins must leave to differ from the side that begins at `first`.
-std::optional<Bounds> BoundsOfSide(const SectionMeans& means, int section, int first, int bins,
-                                   double least_step) {
+// Groups of `bins` range bins from `first` on.
+std::optional<Side> SideAt(const SectionMeans& means, int section, int first, int bins) {
   std::array<double, kGroupsOfSide> group{};
-  double mean = 0.0;
+  Side side;
   for (int i = 0; i < kGroupsOfSide; ++i) {
     const std::optional<double> of_group = means.Over(section, first + i * bins, bins);
     if (!of_group) return std::nullopt;
     group[i] = *of_group;
-    mean += group[i] / kGroupsOfSide;
+    side.mean += group[i] / kGroupsOfSide;
   }
   double square = 0.0;
-  for (const double value : group) square += (value - mean) * (value - mean);
-  const double step = std::max(kDeviations * std::sqrt(square / (kGroupsOfSide - 1)), least_step);
-  return Bounds{mean - step, mean + step};
+  for (const double value : group) square += (value - side.mean) * (value - side.mean);
+  side.deviation = std::sqrt(square / (kGroupsOfSide - 1));
+  return side;
+}
+
+// Both sides of a group of range bins in a section.
+class Sides {
+ public:
+  // Sides of groups of `size` bins, beyond a guard of `bins` bins beside the group of `bins` bins at `first`.
+  Sides(const SectionMeans& means, int section, int first, int bins, int size)
+      : near_(SideAt(means, section, first - bins - kGroupsOfSide * size, size)),
+        far_(SideAt(means, section, first + 2 * bins, size)) {}
+
+  bool exist() const { return near_ && far_; }
+  bool AreBelow(double mean, double deviations, double least_step) const {
+    return mean > Step(*near_, deviations, least_step) && mean > Step(*far_, deviations, least_step);
+  }
+  bool AreAbove(double mean, double deviations, double least_step) const {
+    return mean < Step(*near_, -deviations, -least_step) && mean < Step(*far_, -deviations, -least_step);
+  }
+
+ private:
+  static double Step(const Side& side, double deviations, double least_step) {
+    const double step = deviations * side.deviation;
+    return side.mean + (std::abs(step) > std::abs(least_step) ? step : least_step);
+  }
+
+  std::optional<Side> near_;
+  std::optional<Side> far_;
+};
+
+enum class Level { kAbove, kBetween, kBelow };
+
+// Level of a section of the group of `bins` range bins from `first`, and of each of its bins, beside those of
+// both sides.
+std::optional<Level> LevelOf(const SectionMeans& means, int section, int first, int bins, double least_step) {
+  const std::optional<double> group = means.Over(section, first, bins);
+  const Sides of_groups(means, section, first, bins, bins);
+  const Sides of_bins(means, section, first, bins, 1);
+  if (!group || !of_groups.exist() || !of_bins.exist()) return std::nullopt;
+  const auto all_bins = [&](const auto& is_beyond) {
+    for (int bin = first; bin < first + bins; ++bin) {
+      const std::optional<double> mean = means.Over(section, bin, 1);
+      if (mean && !is_beyond(*mean)) return false;
+    }
+    return true;
+  };
+  if (of_groups.AreBelow(*group, kDeviations, least_step) &&
+      all_bins([&](double mean) { return of_bins.AreBelow(mean, kDeviationsOfBin, 0.0); })) {
+    return Level::kAbove;
+  }
+  if (of_groups.AreAbove(*group, kDeviations, least_step) &&
+      all_bins([&](double mean) { return of_bins.AreAbove(mean, kDeviationsOfBin, 0.0); })) {
+    return Level::kBelow;
+  }
+  return Level::kBetween;
 }
 
 // Tests the group of `bins` range bins from `first`, whose sides must be within the image.
@@ -87,12 +141,10 @@ std::optional<AzimuthStreak> StreakAt(const SectionMeans& means, int first, int 
   int above = 0;
   int below = 0;
   for (int section = 0; section < means.sections(); ++section) {
-    const std::optional<double> mean = means.Over(section, first, bins);
-    const auto near = BoundsOfSide(means, section, first - bins * (1 + kGroupsOfSide), bins, least_step);
-    const auto far = BoundsOfSide(means, section, first + 2 * bins, bins, least_step);
-    if (!mean || !near || !far) return std::nullopt;
-    if (*mean > std::max(near->upper, far->upper)) ++above;
-    if (*mean < std::min(near->lower, far->lower)) ++below;
+    const std::optional<Level> level = LevelOf(means, section, first, bins, least_step);
+    if (!level) return std::nullopt;
+    above += *level == Level::kAbove;
+    below += *level == Level::kBelow;
   }
   if (above == means.sections()) return AzimuthStreak{first, first + bins, true};
   if (above > 0 && below >= kMinDarkShare * means.sections())
