@@ -20,7 +20,7 @@ constexpr int kMinSections = 4;
 constexpr int kGroupsOfSide = 8;
 constexpr double kDeviations = 3.0;
 constexpr double kDeviationsOfBin = 1.0;
-constexpr double kMinDarkShare = 0.75;
+constexpr double kMinShare = 0.75;
 constexpr int kWidestShare = 64;
 constexpr double kLeastStep = 1.0 / 255.0;  // of full scale
 
@@ -146,9 +146,9 @@ std::optional<AzimuthStreak> StreakAt(const SectionMeans& means, int first, int 
     above += *level == Level::kAbove;
     below += *level == Level::kBelow;
   }
-  if (above == means.sections()) return AzimuthStreak{first, first + bins, true};
-  if (above > 0 && below >= kMinDarkShare * means.sections())
-    return AzimuthStreak{first, first + bins, false};
+  const double enough = kMinShare * means.sections();
+  if (above >= enough && below == 0) return AzimuthStreak{first, first + bins, true};
+  if (below >= enough && above > 0) return AzimuthStreak{first, first + bins, false};
   return std::nullopt;
 }
 
@@ -160,19 +160,22 @@ std::vector<AzimuthStreak> FindAzimuthStreaks(const PolarImage& image, const Mas
   std::vector<AzimuthStreak> streaks;
   if (means.sections() < kMinSections) return streaks;
   const double least_step = kLeastStep * image.scale.full_scale;
-  for (int bins = 1; bins <= std::max(2, all / kWidestShare); bins *= 2) {
-    const std::size_t narrower = streaks.size();
+  int widest = 2;
+  while (2 * widest <= all / kWidestShare) widest *= 2;
+  // Wide groups first: a narrow one would find only the middle of a wide streak.
+  for (int bins = widest; bins > 0; bins /= 2) {
+    const std::size_t wider = streaks.size();
     const int margin = bins * (1 + kGroupsOfSide);
     for (int first = margin; first + bins + margin <= all; ++first) {
       const bool is_known =
-          std::any_of(streaks.begin(), streaks.begin() + static_cast<std::ptrdiff_t>(narrower),
+          std::any_of(streaks.begin(), streaks.begin() + static_cast<std::ptrdiff_t>(wider),
                       [&](const AzimuthStreak& known) {
                         return first < known.end_bin + bins && known.first_bin < first + 2 * bins;
                       });
       if (is_known) continue;
       const std::optional<AzimuthStreak> streak = StreakAt(means, first, bins, least_step);
       if (!streak) continue;
-      if (streaks.size() > narrower && streak->first_bin <= streaks.back().end_bin &&
+      if (streaks.size() > wider && streak->first_bin <= streaks.back().end_bin &&
           streak->bright == streaks.back().bright) {
         streaks.back().end_bin = streak->end_bin;
       } else {

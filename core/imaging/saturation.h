@@ -6,8 +6,8 @@
 // Streaks: a saturated channel disturbs all beams of its range bins. Crosstalk and the products of two strong
 // echoes make them brighter. A receiver array that follows the strong echo loses the others, and makes them
 // darker. The beams are divided into up to eight sections. A streak is a group of range bins, at most 1/64 of
-// all (at least 2), in which every section is above both sides, or in which three quarters of the sections
-// are below and at least one is above. "Above" is by more than three standard deviations of eight
+// all (at least 2), in which three quarters of the sections are above both sides and none is below, or three
+// quarters are below and at least one is above. "Above" is by more than three standard deviations of eight
 // neighbouring groups on that side and by more than one 255th of full scale, and for each bin by more than
 // one standard deviation of eight bins: a wall across the beams changes its bin from section to section. A
 // guard as wide as the group is left out on both sides. Without saturation, the same image comes from a thin

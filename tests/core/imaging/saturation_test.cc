@@ -126,6 +126,21 @@ TEST(AzimuthStreaksTest, CrosstalkBetweenChannelsIsFoundWhereItIs) {
   }
 }
 
+TEST(AzimuthStreaksTest, BrightObjectsDoNotHideAStreak) {
+  Grid<double> mean(kBins, kBeams, 1.0);
+  for (int bin = 120; bin < 280; ++bin) {
+    for (int beam = 16; beam < 30; ++beam) mean(bin, beam) = 1e4;
+  }
+  for (int bin = 200; bin < 203; ++bin) {
+    for (int beam = 0; beam < kBeams; ++beam) mean(bin, beam) += beam / 4 == 12 ? 1e6 : 1e3;
+  }
+  for (int seed = 0; seed < 20; ++seed) {
+    const auto streaks = FindAzimuthStreaks(ImageOf(Speckle(mean, seed), -20.0, 60.0));
+    ASSERT_EQ(streaks.size(), 1U) << seed;
+    EXPECT_EQ(streaks[0], (AzimuthStreak{200, 203, true})) << seed;
+  }
+}
+
 TEST(AzimuthStreaksTest, BeamsThatLoseTheirEchoesAreADarkStreak) {
   Grid<double> mean(kBins, kBeams, 100.0);
   for (int bin = 100; bin < 104; ++bin) {
