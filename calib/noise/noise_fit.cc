@@ -236,7 +236,8 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
     const double without_texture = fit.choices[chosen].nats_per_pixel;
     form.speckle = sim::SpeckleLaw::kK;
     try_form(form);
-    if (fit.choices.back().nats_per_pixel < without_texture) {  // part of the power may have no texture
+    const NoiseModelChoice& textured = fit.choices.back();
+    if (textured.converged && textured.nats_per_pixel < without_texture) {  // part may have no texture
       form.speckle = sim::SpeckleLaw::kKDiffuse;
       try_form(form);
     }

@@ -11,8 +11,8 @@
 // is a floor behind it, among candidates that converged. The table is kept. Display and speckle are tried
 // with one floor first, then gains and floors with the best of them. If two floors win, the other displays
 // are tried with two as well. Looks at their bound of 1 mean tails heavier than those of one look: then the K
-// law of reverberation with texture is tried, and, if that gains anything, texture beside a diffuse component
-// (receiver.diffuse_share, free in that law alone).
+// law of reverberation with texture is tried. If that converges and gains anything, texture beside a diffuse
+// component is tried, too (receiver.diffuse_share, free in that law alone).
 //
 // With four or more held-out pings, the earlier half selects and the later half evaluates, so that the
 // selection does not bias the reported agreement. Two or three held-out pings do both. For a single frame,

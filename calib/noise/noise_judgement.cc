@@ -32,7 +32,8 @@ void CheckLaw(const NoiseLaw& law, const RecordingInfo& info) {
     throw DataError("{}: the noise law has {} speckle and receiver.looks {}, expected at least {}",
                     info.source, ToString(law.speckle), law.receiver.looks, sim::kLeastTexturedLooks);
   }
-  if (law.receiver.diffuse_share > 0.0 && law.speckle != sim::SpeckleLaw::kKDiffuse) {
+  const bool has_diffuse_share = law.receiver.diffuse_share > 0.0 && law.receiver.looks < 1.0;
+  if (has_diffuse_share && law.speckle != sim::SpeckleLaw::kKDiffuse) {
     throw DataError(
         "{}: the noise law has receiver.diffuse_share {} and {} speckle, expected k_diffuse speckle",
         info.source, law.receiver.diffuse_share, ToString(law.speckle));
