@@ -84,6 +84,7 @@ PARAMS = {
         "noise_after_gain_db": 60,
         "noise_after_gain_taper_db": [0],
         "looks": 1,
+        "diffuse_share": 0,
     },
     "beam": {
         "azimuth_width_deg": 1,
@@ -184,6 +185,7 @@ ACCEPTED = {
         {"receiver.time_varied_gain": "40logR+alpha", "beam.elevation_pattern": "aperture", "beam.mirror_lobes": "main"},
         {"display.law": "soft_amplitude", "beam.azimuth_pattern": "gaussian", "beam.azimuth_table_db": REMOVED},
         {"source_level_db": -500, "receiver.gain_db": 500, "materials.default.gsab.A": 0, "receiver.looks": 1e6},
+        {"receiver.looks": 0.5, "receiver.diffuse_share": 0.999},
         {"materials.default.gsab.D": 100, "materials.default.gsab.F_deg": 1000, "mirror.wall.loss_db": 0},
         {"beam.transmit_even_deg": 90, "beam.transmit_end_deg": 90, "beam.azimuth_taper": 0, "pulse.length_m": 0},
         {"water.temperature_c": -4, "water.salinity_ppt": 0, "water.ph": 14, "water.depth_m": 12000},

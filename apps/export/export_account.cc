@@ -55,6 +55,8 @@ std::vector<std::pair<std::string, std::string>> Unused(const ParameterSet& para
   if (receiver.noise_taper_db.empty()) add("receiver.noise_taper_db", "is empty");
   if (!receiver.noise_after_gain_db) add("receiver.noise_after_gain_taper_db", "there is no such noise");
   if (receiver.noise_after_gain_taper_db.empty()) add("receiver.noise_after_gain_taper_db", "is empty");
+  if (receiver.diffuse_share == 0.0) add("receiver.diffuse_share", "is 0");
+  if (receiver.looks >= 1.0) add("receiver.diffuse_share", "there is no texture");
   const BeamParameters& beam = parameters.beam;
   if (beam.azimuth_pattern != AzimuthPattern::kAperture) add("beam.azimuth_taper", "of another pattern");
   if (beam.elevation_pattern != ElevationPattern::kAperture)

@@ -76,6 +76,7 @@ void AccountForTheRest(const std::string& simulator, ExportAccount& account) {
   no("receiver.noise_slope_db_per_m", "noise that changes with range as ours");
   no("receiver.noise_", "floor of noise");
   no("receiver.looks", "number of looks");
+  no("receiver.diffuse_share", "texture of reverberation");
   no("beam.azimuth_", "shape of the beams in azimuth");
   no("beam.elevation_width_deg", "width of the beams in elevation of the parameters' own");
   no("beam.elevation_", "shape of the beams in elevation: it ends at a hard edge");

@@ -90,14 +90,11 @@ class Fitter {
     std::vector<double> start_costs;  // cost at the end of each start
   };
 
-  // Returns the best of several starts: a floor that falls with range, and one that rises. Prefers one that
-  // converged.
+  // Returns the best of several starts. Prefers one that converged.
   Fitted Fit(const NoiseForm& form) const {
     Fitted best;
     std::vector<double> costs;
-    for (const double net_db :
-         form.floor_after_gain ? std::vector<double>{-8.0, 8.0} : std::vector<double>{0.0}) {
-      const NoiseLaw start = StartOf(form, used_.all, cells_, net_db, options_.absorption_db_per_m);
+    for (const NoiseLaw& start : StartsOf(form, used_.all, cells_, options_.absorption_db_per_m)) {
       NoiseSolution solution = SolveNoise(start, form.fit_span, used_.all, cells_, weight_, options_);
       costs.push_back(solution.cost);
       const NoiseSolution& least = best.solution;
@@ -201,7 +198,9 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
                       form.floor_after_gain ? "two floors" : "one floor", agreement.nats_per_pixel,
                       fitted.solution.converged ? "" : ", not converged and so not selected"));
     }
-    const double score = agreement.nats_per_pixel + kRelevantNats * Richness(form);
+    double score = agreement.nats_per_pixel + kRelevantNats * Richness(form);
+    if (form.speckle == sim::SpeckleLaw::kKDiffuse)
+      score += std::max(0.0, kDiffuseNats / agreement.pixels - kRelevantNats);
     if (!fitted.solution.converged || !std::isfinite(score)) return;
     if (chosen >= 0 && score >= best_score) return;
     chosen = static_cast<int>(fit.choices.size()) - 1;
@@ -234,8 +233,14 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   }
   if (best.solution.looks_at_bound) {  // tails heavier than those of one look: texture may explain them
     NoiseForm form = best_form;
+    const double without_texture = fit.choices[chosen].nats_per_pixel;
     form.speckle = sim::SpeckleLaw::kK;
     try_form(form);
+    const NoiseModelChoice& textured = fit.choices.back();
+    if (textured.converged && textured.nats_per_pixel < without_texture) {  // part may have no texture
+      form.speckle = sim::SpeckleLaw::kKDiffuse;
+      try_form(form);
+    }
   }
   if (chosen < 0) {
     fit.report.termination = "ended before any candidate converged";

@@ -10,12 +10,15 @@
 // Selection: the likelihood of held-out pings selects the display law, the time-varied gain and whether there
 // is a floor behind it, among candidates that converged. The table is kept. Display and speckle are tried
 // with one floor first, then gains and floors with the best of them. If two floors win, the other displays
-// are tried with two as well. With four or more held-out pings, the earlier half selects and the later half
-// evaluates, so that the selection does not bias the reported agreement. Two or three held-out pings do both.
-// For a single frame, every second band is held out instead. The chosen form is then fitted again, to all
-// pings and bands: that law is the result, and the figures on held-out pings are those of the law before
-// (NoiseFit::evaluated_law). Solved by Fisher scoring with Levenberg's
-// damping (calib/noise/noise_solver.h) on counts of grey per cell.
+// are tried with two as well. Looks at their bound of 1 mean tails heavier than those of one look: then the K
+// law of reverberation with texture is tried. If that converges and gains anything, texture beside a diffuse
+// component is tried, too (receiver.diffuse_share, free in that law alone).
+//
+// With four or more held-out pings, the earlier half selects and the later half evaluates, so that the
+// selection does not bias the reported agreement. Two or three held-out pings do both. For a single frame,
+// every second band is held out instead. The chosen form is then fitted again, to all pings and bands: that
+// law is the result, and the figures on held-out pings are those of the law before (NoiseFit::evaluated_law).
+// Solved by Fisher scoring with Levenberg's damping (calib/noise/noise_solver.h) on counts of grey per cell.
 //
 // Standard errors come from a sandwich over pings, which drift as a whole. With fewer than five pings, it is
 // over range bands of each ping. A parameter is unidentifiable if the pings determine it to no better than
@@ -63,6 +66,9 @@ struct NoiseFitOptions {
 
 // Min gain of each step to a richer law (another display, speckle, a gain, a second floor).
 inline constexpr double kRelevantNats = 2e-5;  // per pixel
+// Min gain of a diffuse component beside texture over all pixels that select. With fewer than 100000 pixels,
+// chance alone may gain kRelevantNats.
+inline constexpr double kDiffuseNats = 2.0;
 
 struct NoiseModelChoice {
   DisplayLaw display = DisplayLaw::kLog;

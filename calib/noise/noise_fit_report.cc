@@ -36,7 +36,8 @@ class Builder {
                               .status = ParameterStatus::kFixed};
     if (place >= 0) {
       parameter.status = ParameterStatus::kFree;
-      if (place == solution_.layout.log_looks && solution_.looks_at_bound) {
+      if ((place == solution_.layout.log_looks && solution_.looks_at_bound) ||
+          (place == solution_.layout.logit_diffuse && solution_.diffuse_at_bound)) {
         parameter.status = ParameterStatus::kAtBound;
       } else if (!IsDetermined(place, unit)) {
         parameter.status = ParameterStatus::kUnidentifiable;
@@ -212,6 +213,11 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
   }
   builder.Add("receiver.looks", "", layout.log_looks, law.receiver.looks, start.receiver.looks,
               MinNoiseLooks(law.speckle), kMaxNoiseLooks, law.receiver.looks);
+  if (layout.logit_diffuse >= 0) {
+    const double share = law.receiver.diffuse_share;
+    builder.Add("receiver.diffuse_share", "", layout.logit_diffuse, share, start.receiver.diffuse_share,
+                kMinDiffuseShare, kMaxDiffuseShare, share * (1.0 - share));
+  }
   if (layout.noise_db >= 0) {
     builder.Add("receiver.noise_db", "dB", layout.noise_db, *law.receiver.noise_db,
                 start.receiver.noise_db.value_or(0.0), -kMaxLevelDb, kMaxLevelDb);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/noise/noise_solver.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/physics/display.h"
@@ -54,7 +55,8 @@ double RoughNoisePower(const NoiseCounts& counts, const NoiseCells& cells,
 
 int Richness(const NoiseForm& form) {
   return (form.display.law == DisplayLaw::kSoftLog) + (form.speckle != sim::SpeckleLaw::kGamma) +
-         (form.time_varied_gain != TimeVariedGain::kNone) + form.floor_after_gain;
+         (form.speckle == sim::SpeckleLaw::kKDiffuse) + (form.time_varied_gain != TimeVariedGain::kNone) +
+         form.floor_after_gain;
 }
 
 NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
@@ -69,8 +71,9 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
         std::min(std::max(form.display.db_min - 1.5, level_db - 12.0), form.display.db_min + shown_db - 1.0);
   }
   ReceiverParameters& receiver = law.receiver;
-  const double free_looks = form.speckle == sim::SpeckleLaw::kK ? 0.8 : 1.3;
+  const double free_looks = MinNoiseLooks(form.speckle) < 1.0 ? 0.8 : 1.3;
   receiver.looks = form.fit_span ? 1.0 : free_looks;
+  if (form.speckle == sim::SpeckleLaw::kKDiffuse) receiver.diffuse_share = 0.3;
   receiver.time_varied_gain = form.time_varied_gain;
   const double near_m = cells.RangeM(0);
   const double far_m = cells.RangeM(cells.bands() - 1);
@@ -84,6 +87,21 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
   receiver.noise_db = level_db - shared_db - gain_db(middle_m) - receiver.noise_slope_db_per_m * middle_m;
   if (form.floor_after_gain) receiver.noise_after_gain_db = level_db - shared_db;
   return law;
+}
+
+std::vector<NoiseLaw> StartsOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
+                               double absorption_db_per_m) {
+  std::vector<NoiseLaw> starts;
+  for (const double net_db :
+       form.floor_after_gain ? std::vector<double>{-8.0, 8.0} : std::vector<double>{0.0}) {
+    starts.push_back(StartOf(form, counts, cells, net_db, absorption_db_per_m));
+    if (form.speckle != sim::SpeckleLaw::kKDiffuse) continue;
+    NoiseLaw rare = starts.back();
+    rare.receiver.looks = 0.5;
+    rare.receiver.diffuse_share = 0.8;
+    starts.push_back(rare);
+  }
+  return starts;
 }
 
 std::vector<NoiseForm> DisplayForms(const RecordingInfo& info, const NoiseFitOptions& options) {

@@ -26,4 +26,9 @@ std::vector<NoiseForm> DisplayForms(const RecordingInfo& info, const NoiseFitOpt
 NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
                  double absorption_db_per_m);
 
+// Start values of several starts. With two floors: the floor before the gain falls with range, or rises. With
+// a diffuse component: texture in all of the power, or strong texture in a small share of it.
+std::vector<NoiseLaw> StartsOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells,
+                               double absorption_db_per_m);
+
 }  // namespace sonarcal::calib

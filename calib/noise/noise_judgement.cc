@@ -27,6 +27,17 @@ void CheckLaw(const NoiseLaw& law, const RecordingInfo& info) {
         "{}: the noise law has no noise level, expected receiver.noise_db or receiver.noise_after_gain_db",
         info.source);
   }
+  const bool is_textured = law.speckle == sim::SpeckleLaw::kK || law.speckle == sim::SpeckleLaw::kKDiffuse;
+  if (is_textured && law.receiver.looks < sim::kLeastTexturedLooks) {
+    throw DataError("{}: the noise law has {} speckle and receiver.looks {}, expected at least {}",
+                    info.source, ToString(law.speckle), law.receiver.looks, sim::kLeastTexturedLooks);
+  }
+  const bool has_diffuse_share = law.receiver.diffuse_share > 0.0 && law.receiver.looks < 1.0;
+  if (has_diffuse_share && law.speckle != sim::SpeckleLaw::kKDiffuse) {
+    throw DataError(
+        "{}: the noise law has receiver.diffuse_share {} and {} speckle, expected k_diffuse speckle",
+        info.source, law.receiver.diffuse_share, ToString(law.speckle));
+  }
   CheckTaper(law.receiver.noise_taper_db, info, "receiver.noise_taper_db");
   CheckTaper(law.receiver.noise_after_gain_taper_db, info, "receiver.noise_after_gain_taper_db");
 }

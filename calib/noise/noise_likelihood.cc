@@ -64,7 +64,14 @@ class Moments {
 
 }  // namespace
 
-GreyLevels::GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks) : law_(law), by_looks_(by_looks) {
+GreyLevels::GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks)
+    : law_(law), closed_form_(law.speckle), by_looks_(by_looks) {
+  if (law.speckle == sim::SpeckleLaw::kKDiffuse) {
+    closed_form_ = sim::SpeckleLaw::kK;
+    const double looks = law.receiver.looks;
+    if (looks < 1.0 && law.receiver.diffuse_share > 0.0)
+      with_diffuse_.emplace(looks, law.receiver.diffuse_share);
+  }
   const auto power_at = [&](double value, double span_step, double soft_step) {
     DisplayParameters<double> display = law.display;
     display.soft_db += soft_step;
@@ -85,35 +92,56 @@ GreyLevels::GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks) : law
 double GreyLevels::Cdf(int level, double noise_power) const {
   if (level < 0) return 0.0;
   if (level >= static_cast<int>(edge_power_.size())) return 1.0;
-  return sim::SpeckleCdf(law_.receiver.looks, edge_power_[level] / noise_power, law_.speckle);
+  const double ratio = RatioAt(level, noise_power);
+  if (with_diffuse_) return with_diffuse_->At(ratio).cdf;
+  return sim::SpeckleCdf(law_.receiver.looks, ratio, closed_form_);
 }
 
 QuantileBound GreyLevels::Bound(int level, double noise_power) const {
   if (level < 0) return {.below = 0.0, .beyond = 1.0};
   if (level >= static_cast<int>(edge_power_.size())) return {.below = 1.0, .beyond = 0.0};
-  const double ratio = edge_power_[level] / noise_power;
-  return {.below = Cdf(level, noise_power),
-          .beyond = sim::SpeckleSurvival(law_.receiver.looks, ratio, law_.speckle)};
+  return BoundAt(RatioAt(level, noise_power));
+}
+
+QuantileBound GreyLevels::BoundAt(double ratio) const {
+  if (with_diffuse_) {
+    const sim::KDiffuseLaw::Value at = with_diffuse_->At(ratio);
+    return {.below = at.cdf, .beyond = at.survival};
+  }
+  const double looks = law_.receiver.looks;
+  return {.below = sim::SpeckleCdf(looks, ratio, closed_form_),
+          .beyond = sim::SpeckleSurvival(looks, ratio, closed_form_)};
+}
+
+GreyLevels::Speckle GreyLevels::SpeckleAt(double ratio) const {
+  if (with_diffuse_) {
+    const sim::KDiffuseLaw::Value at = with_diffuse_->At(ratio);
+    return {at.cdf, at.survival, at.density, at.cdf_by_log_looks, at.cdf_by_logit_share};
+  }
+  const double looks = law_.receiver.looks;
+  const QuantileBound bound = BoundAt(ratio);
+  Speckle speckle{.below = bound.below,
+                  .beyond = bound.beyond,
+                  .density = sim::SpeckleDensity(looks, ratio, closed_form_)};
+  if (!by_looks_) return speckle;
+  const double more = looks * std::exp(kLooksStep);
+  speckle.below_by_log_looks =
+      speckle.below < 0.5 ? (sim::SpeckleCdf(more, ratio, closed_form_) - speckle.below) / kLooksStep
+                          : (speckle.beyond - sim::SpeckleSurvival(more, ratio, closed_form_)) / kLooksStep;
+  return speckle;
 }
 
 GreyLevels::Chance GreyLevels::Below(int level, double noise_power) const {
   if (level < 0) return {.value = 0.0, .beyond = 1.0};
   if (level >= static_cast<int>(edge_power_.size())) return {.value = 1.0, .beyond = 0.0};
-  Chance below{.value = Cdf(level, noise_power)};
-  const double ratio = edge_power_[level] / noise_power;
-  const double looks = law_.receiver.looks;
-  below.beyond = sim::SpeckleSurvival(looks, ratio, law_.speckle);
-  const double density = sim::SpeckleDensity(looks, ratio, law_.speckle);
-  below.derivative[0] = -ratio * density;
-  if (by_looks_) {
-    const double more = std::exp(kLooksStep);
-    below.derivative[1] =
-        below.value < 0.5
-            ? (sim::SpeckleCdf(looks * more, ratio, law_.speckle) - below.value) / kLooksStep
-            : (below.beyond - sim::SpeckleSurvival(looks * more, ratio, law_.speckle)) / kLooksStep;
-  }
-  below.derivative[2] = density * edge_by_span_[level] / noise_power;
-  below.derivative[3] = density * edge_by_soft_db_[level] / noise_power;
+  const double ratio = RatioAt(level, noise_power);
+  const Speckle at = SpeckleAt(ratio);
+  Chance below{.value = at.below, .beyond = at.beyond};
+  below.derivative[0] = -ratio * at.density;
+  below.derivative[1] = at.below_by_log_looks;
+  below.derivative[2] = at.density * edge_by_span_[level] / noise_power;
+  below.derivative[3] = at.density * edge_by_soft_db_[level] / noise_power;
+  below.derivative[4] = at.below_by_logit_share;
   return below;
 }
 

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "calib/fit_report.h"
 #include "calib/noise/noise_histogram.h"
 #include "calib/noise/quantile_residual.h"
 #include "core/types/parameters.h"
+#include "sim/physics/k_diffuse_law.h"
 #include "sim/physics/speckle.h"
 
 namespace sonarcal::calib {
@@ -24,11 +26,12 @@ struct NoiseLaw {
 // Probabilities of the grey levels and their derivatives by the parameters of the law.
 class GreyLevels {
  public:
-  // `by_looks`: computes the derivative by ln looks, which costs as much as all others; otherwise it is 0.
+  // `by_looks`: computes the derivative by ln looks, which costs as much as all others; otherwise it is 0,
+  // except for the law with a diffuse component.
   GreyLevels(const NoiseLaw& law, int full_scale, bool by_looks = true);
 
-  // Derivatives by ln N, ln looks, display span (dB, with db_min fixed), soft_db.
-  static constexpr int kDerivatives = 4;
+  // Derivatives by ln N, ln looks, display span (dB, with db_min fixed), soft_db, logit of the diffuse share.
+  static constexpr int kDerivatives = 5;
   struct Chance {
     double value = 0.0;
     double beyond = 1.0;  // for Below: 1 - value, with all its digits
@@ -47,7 +50,21 @@ class GreyLevels {
   }
 
  private:
+  // A speckle law at one ratio of power to its mean.
+  struct Speckle {
+    double below = 0.0;
+    double beyond = 1.0;
+    double density = 0.0;
+    double below_by_log_looks = 0.0;
+    double below_by_logit_share = 0.0;
+  };
+  double RatioAt(int level, double noise_power) const { return edge_power_[level] / noise_power; }
+  QuantileBound BoundAt(double ratio) const;
+  Speckle SpeckleAt(double ratio) const;
+
   NoiseLaw law_;
+  sim::SpeckleLaw closed_form_;  // without with_diffuse_
+  std::optional<sim::KDiffuseLaw> with_diffuse_;
   bool by_looks_ = true;
   std::vector<double> edge_power_;    // upper edge of each level except the last
   std::vector<double> edge_by_span_;  // its derivatives

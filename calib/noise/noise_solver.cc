@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -24,10 +25,19 @@ constexpr double kConverged = 1e-3;
 constexpr double kGainedLittle = 0.02;
 constexpr int kLastSteps = 4;
 constexpr double kMaxStepDb = 6.0;
+constexpr double kDiffuseLogitSpread = 2.0;  // prior standard deviation of the logit of the diffuse share
 constexpr double kMaxDamping = 1e8;
 constexpr double kFreeDamping = 1e-2;  // up to here, damping is not the cause of a short step
 // Min curvature for damping, as a fraction of the largest diagonal element.
 constexpr double kLeastCurvature = 1e-8;
+
+double Logit(double share) {
+  return std::log(share / (1.0 - share));
+}
+
+double ShareOfLogit(double logit) {
+  return 1.0 / (1.0 + std::exp(-logit));
+}
 
 NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, int beams) {
   NoiseLayout layout;
@@ -42,6 +52,7 @@ NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, int beams) {
     layout.span_db = take(1);
   } else {
     layout.log_looks = take(1);
+    if (law.speckle == sim::SpeckleLaw::kKDiffuse) layout.logit_diffuse = take(1);
   }
   if (law.display.law == DisplayLaw::kSoftLog) layout.soft_db = take(1);
   if (law.receiver.noise_db) layout.taper = take(beams);
@@ -58,6 +69,7 @@ Eigen::VectorXd ToVector(const NoiseLaw& law, const NoiseLayout& layout) {
   set(layout.slope, law.receiver.noise_slope_db_per_m);
   set(layout.after_db, law.receiver.noise_after_gain_db.value_or(0.0));
   set(layout.log_looks, std::log(law.receiver.looks));
+  set(layout.logit_diffuse, Logit(law.receiver.diffuse_share));
   set(layout.span_db, law.display.db_max - law.display.db_min);
   set(layout.soft_db, law.display.soft_db);
   for (int beam = 0; beam < layout.beams; ++beam) {
@@ -84,6 +96,7 @@ NoiseLaw FromVector(const NoiseLaw& form, const NoiseLayout& layout, const Eigen
                                                   &value[layout.after_taper] + layout.beams);
   }
   if (layout.log_looks >= 0) law.receiver.looks = std::exp(value[layout.log_looks]);
+  if (layout.logit_diffuse >= 0) law.receiver.diffuse_share = ShareOfLogit(value[layout.logit_diffuse]);
   if (layout.span_db >= 0) law.display.db_max = law.display.db_min + value[layout.span_db];
   if (layout.soft_db >= 0) law.display.soft_db = value[layout.soft_db];
   return law;
@@ -117,7 +130,7 @@ std::optional<Eigen::VectorXd> Step(const Eigen::MatrixXd& information, const Ei
   return solver.solve(score);
 }
 
-constexpr int kMaxPerCell = 7;
+constexpr int kMaxPerCell = 8;
 
 // Parameters of a cell, and the derivatives of ln N and of the levels' probabilities by them.
 struct CellParameters {
@@ -159,6 +172,7 @@ CellParameters AtCell(const NoiseLaw& law, const NoiseLayout& layout, double ran
   cell.Add(layout.log_looks, 0.0, 0.0, 1);
   cell.Add(layout.span_db, 0.0, 0.0, 2);
   cell.Add(layout.soft_db, 0.0, 0.0, 3);
+  cell.Add(layout.logit_diffuse, 0.0, 0.0, 4);
   return cell;
 }
 
@@ -266,6 +280,7 @@ void SetPriors(NoiseSolution& solution, const NoiseFitOptions& options) {
   about_start(layout.span_db, options.level_spread_db);
   spread(layout.slope, options.slope_spread_db_per_m, 0.0);
   spread(layout.log_looks, 1.0, 0.0);
+  spread(layout.logit_diffuse, kDiffuseLogitSpread, 0.0);
   for (int beam = 0; beam < layout.beams; ++beam) {
     if (layout.taper >= 0) spread(layout.taper + beam, options.taper_spread_db, 0.0);
     if (layout.after_taper >= 0) spread(layout.after_taper + beam, options.taper_spread_db, 0.0);
@@ -292,7 +307,7 @@ void AddPriors(const NoiseSolution& solution, Evaluation& sum) {
   }
 }
 
-// Limits a step from `from`, centres the tapers, and clamps looks and span to their bounds.
+// Limits a step from `from`, centres the tapers, and clamps looks, diffuse share and span to their bounds.
 Eigen::VectorXd Next(const NoiseLayout& layout, double min_looks, const Eigen::VectorXd& from,
                      const Eigen::VectorXd& step) {
   Eigen::VectorXd next = from + step.cwiseMin(kMaxStepDb).cwiseMax(-kMaxStepDb);
@@ -301,8 +316,19 @@ Eigen::VectorXd Next(const NoiseLayout& layout, double min_looks, const Eigen::V
     if (place >= 0) next[place] = std::clamp(next[place], lower, upper);
   };
   clamp(layout.log_looks, std::log(min_looks), std::log(kMaxNoiseLooks));
+  clamp(layout.logit_diffuse, Logit(kMinDiffuseShare), Logit(kMaxDiffuseShare));
   clamp(layout.span_db, kLeastSpanDb, kMaxSpanDb);
   return next;
+}
+
+// Takes a parameter out of the next step.
+void Hold(int place, Eigen::MatrixXd& information, Eigen::MatrixXd& curvature, Eigen::VectorXd& score) {
+  information.row(place).setZero();
+  information.col(place).setZero();
+  curvature.row(place).setZero();
+  curvature.col(place).setZero();
+  information(place, place) = 1.0;
+  score[place] = 0.0;
 }
 
 }  // namespace
@@ -360,19 +386,20 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
   double damping = 1e-3;
   std::vector<double> gains;
   for (solution.iterations = 0; solution.iterations < options.max_iterations; ++solution.iterations) {
-    // The number of looks stays at its bound if the score points beyond it.
-    const bool hold_looks = layout.log_looks >= 0 && best[layout.log_looks] <= std::log(min_looks) &&
-                            at_best.score[layout.log_looks] < 0.0;
+    // A parameter stays at its bound if the score points beyond it.
+    const auto at_bound = [&](int place, double lower, double upper) {
+      return place >= 0 && ((best[place] <= lower && at_best.score[place] < 0.0) ||
+                            (best[place] >= upper && at_best.score[place] > 0.0));
+    };
+    solution.looks_at_bound =
+        at_bound(layout.log_looks, std::log(min_looks), std::numeric_limits<double>::infinity());
+    solution.diffuse_at_bound =
+        at_bound(layout.logit_diffuse, Logit(kMinDiffuseShare), Logit(kMaxDiffuseShare));
     Eigen::MatrixXd information = at_best.information;
     Eigen::MatrixXd curvature = at_best.curvature;
     Eigen::VectorXd score = at_best.score;
-    if (hold_looks) {
-      information.row(layout.log_looks).setZero();
-      information.col(layout.log_looks).setZero();
-      information(layout.log_looks, layout.log_looks) = 1.0;
-      score[layout.log_looks] = 0.0;
-    }
-    solution.looks_at_bound = hold_looks;
+    if (solution.looks_at_bound) Hold(layout.log_looks, information, curvature, score);
+    if (solution.diffuse_at_bound) Hold(layout.logit_diffuse, information, curvature, score);
     if (gains.size() >= kLastSteps &&
         std::accumulate(gains.end() - kLastSteps, gains.end(), 0.0) < kGainedLittle) {
       solution.converged = true;

@@ -17,6 +17,7 @@ struct NoiseLayout {
   int after_db = -1;
   int after_taper = -1;
   int log_looks = -1;
+  int logit_diffuse = -1;
   int span_db = -1;
   int soft_db = -1;
   int count = 0;
@@ -35,12 +36,16 @@ struct NoiseSolution {
   int iterations = 0;
   bool converged = false;
   bool looks_at_bound = false;
+  bool diffuse_at_bound = false;
 };
 
-// Least number of looks that a fit may find: fewer than one is texture, which only the K law has.
+// Least number of looks that a fit may find: fewer than one is texture, which only the K laws have.
 inline double MinNoiseLooks(sim::SpeckleLaw law) {
-  return law == sim::SpeckleLaw::kK ? sim::kLeastTexturedLooks : 1.0;
+  return law == sim::SpeckleLaw::kK || law == sim::SpeckleLaw::kKDiffuse ? sim::kLeastTexturedLooks : 1.0;
 }
+// Diffuse shares that a fit may find. The K law and exponential power are the limits beyond.
+inline constexpr double kMinDiffuseShare = 0.001;
+inline constexpr double kMaxDiffuseShare = 0.999;
 inline constexpr double kMaxNoiseLooks = 100.0;
 inline constexpr double kLeastSpanDb = 5.0;
 inline constexpr double kMaxSpanDb = 400.0;

@@ -323,6 +323,14 @@ struct ParameterTable<ReceiverParameters> {
                         .scale = ParameterScale::kLogarithmic,
                         .control = ControlRange{1.0, 1000.0}},
           self.looks);
+    visit(ParameterInfo{.key = "diffuse_share",
+                        .meaning =
+                            "Share of the mean power without texture, for noise laws with fewer looks than 1",
+                        .unit = "1",
+                        .models = kEchoPowerModels,
+                        .min = 0.0,
+                        .max = 0.999},
+          self.diffuse_share);
   }
 };
 

@@ -113,7 +113,8 @@ struct ReceiverParameters {
   std::vector<double> noise_taper_db = {};             // per beam; empty = 0 everywhere
   std::optional<double> noise_after_gain_db = {};      // floor added behind the TVG; absent = none
   std::vector<double> noise_after_gain_taper_db = {};  // per beam; empty = 0 everywhere
-  double looks = 1.0;  // independent looks averaged in a pixel (1: exponential power)
+  double looks = 1.0;          // independent looks averaged in a pixel (1: exponential power)
+  double diffuse_share = 0.0;  // share of the mean power without texture; no effect from one look on
 
   bool operator==(const ReceiverParameters&) const = default;
 };

@@ -40,10 +40,9 @@ double DensityOfShape(double shape, double ratio) {
 
 template <typename OfShape>
 double OfLooks(double looks, double ratio, const OfShape& of_shape) {
-  constexpr double kLargestShape = 50.0;
   const double shape = 2.0 * looks / (1.0 - looks);
-  if (shape <= kLargestShape) return of_shape(shape, ratio);
-  return std::lerp(std::exp(-ratio), of_shape(kLargestShape, ratio), kLargestShape / shape);
+  if (shape <= kLargestTextureShape) return of_shape(shape, ratio);
+  return std::lerp(std::exp(-ratio), of_shape(kLargestTextureShape, ratio), kLargestTextureShape / shape);
 }
 
 }  // namespace

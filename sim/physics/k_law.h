@@ -11,6 +11,7 @@
 namespace sonarcal::sim {
 
 inline constexpr double kLeastTexturedLooks = 0.05;  // shape 0.1
+inline constexpr double kLargestTextureShape = 50.0;
 
 // Both functions: kLeastTexturedLooks <= looks < 1, ratio > 0.
 

@@ -1,12 +1,14 @@
 // Speckle and its effect on the display.
 //
-// Speckle: the power of a pixel is P x with E[x] = 1. Three distributions of x, all of variance 1 / L:
+// Speckle: the power of a pixel is P x with E[x] = 1. Four distributions of x, all of variance 1 / L:
 //
 //   kGamma     Gamma with shape L: an average of L equal looks, L > 0 (L = 1: exponential)
 //   kWeighted  Average of unequal looks with the weights of `LooksAsWeights`, as in `SampleAcousticImage`.
 //              Closed form for 1 <= L <= 2:
 //              F(x) = 1 - (exp(-y) - w exp(-y / w)) / (1 - w), y = (1 + w) x; Gamma beyond.
 //   kK         Reverberation with texture: the K law of k_law.h for L < 1; Gamma from L = 1 on.
+//   kKDiffuse  Texture and a diffuse component: the law of k_diffuse_law.h for L < 1; Gamma from L = 1 on.
+//              The functions below do not know it, because it has a second parameter.
 //
 // Display: v increases with power, so P(displayed <= v) = F(PowerFromDisplay(v) / P). The mean displayed
 // value, clipped to 0..1, is the integral of 1 - P(displayed <= v) over 0..1.
@@ -18,6 +20,7 @@
 #include <unsupported/Eigen/SpecialFunctions>
 #include <vector>
 
+#include "core/types/error.h"
 #include "core/types/units.h"
 #include "core/types/words.h"
 #include "sim/physics/display.h"
@@ -26,14 +29,22 @@
 
 namespace sonarcal::sim {
 
-enum class SpeckleLaw { kGamma, kWeighted, kK };
+enum class SpeckleLaw { kGamma, kWeighted, kK, kKDiffuse };
 constexpr auto WordsOf(std::type_identity<SpeckleLaw>) {
-  return Words<SpeckleLaw, 3>{
-      {{"gamma", SpeckleLaw::kGamma}, {"weighted", SpeckleLaw::kWeighted}, {"k", SpeckleLaw::kK}}};
+  return Words<SpeckleLaw, 4>{{{"gamma", SpeckleLaw::kGamma},
+                               {"weighted", SpeckleLaw::kWeighted},
+                               {"k", SpeckleLaw::kK},
+                               {"k_diffuse", SpeckleLaw::kKDiffuse}}};
+}
+
+// The functions of `looks` alone do not know the law with a second parameter.
+inline void CheckIsOfLooksAlone(SpeckleLaw law) {
+  SONARCAL_CHECK(law != SpeckleLaw::kKDiffuse, "a law of looks and diffuse share: use KDiffuseLaw");
 }
 
 // P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1; kK: >= kLeastTexturedLooks).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
+  CheckIsOfLooksAlone(law);
   if (!(ratio > 0.0)) return 0.0;
   if (!(ratio < 1e300)) return 1.0;
   if (looks == 1.0) return -std::expm1(-ratio);
@@ -51,6 +62,7 @@ inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw
 
 // P(x > ratio), to full relative accuracy, where 1 - SpeckleCdf has lost its digits.
 inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
+  CheckIsOfLooksAlone(law);
   if (!(ratio > 0.0)) return 1.0;
   if (!(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
@@ -66,6 +78,7 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
 
 // Density of x: the derivative of SpeckleCdf. 0 for ratio <= 0.
 inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
+  CheckIsOfLooksAlone(law);
   if (!(ratio > 0.0) || !(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
   if (law == SpeckleLaw::kK && looks < 1.0) return KLawDensity(looks, ratio);

@@ -43,7 +43,8 @@ struct Source {
     const PolarAxes& axes = info.sonar.axes;
     std::vector<Frame> frames;
     std::mt19937_64 textures(seed);
-    const double shape = 2.0 * law.receiver.looks / (1.0 - law.receiver.looks);
+    const double textured = 1.0 - law.receiver.diffuse_share;
+    const double shape = 2.0 * textured * textured * law.receiver.looks / (1.0 - law.receiver.looks);
     for (int ping = 0; ping < pings; ++ping) {
       const CounterRandom random(seed, static_cast<std::uint32_t>(ping));
       Frame frame{{}, {axes, info.scale, Grid<float>(axes.range_bins, kBeams)}};
@@ -54,7 +55,8 @@ struct Source {
         const auto [u, v] = random.Uniform2(i);
         double power = mean * -std::log(u);
         if (law.receiver.looks < 1.0) {
-          power *= std::gamma_distribution<double>(shape, 1.0 / shape)(textures);
+          power *= textured * std::gamma_distribution<double>(shape, 1.0 / shape)(textures) +
+                   law.receiver.diffuse_share;
         } else {
           const auto [whole, last] = sim::LooksAsWeights(law.receiver.looks);
           power = mean * (-std::log(u) - last * std::log(v)) / (1.0 + last);
@@ -89,6 +91,13 @@ NoiseLaw Logarithm(double looks) {
   return law;
 }
 
+NoiseLaw TextureAndDiffuse(double looks, double diffuse_share) {
+  NoiseLaw law = Logarithm(looks);
+  law.receiver.diffuse_share = diffuse_share;
+  law.speckle = sim::SpeckleLaw::kKDiffuse;
+  return law;
+}
+
 NoiseCells CellsOf(const Source& source) {
   return {.axes = source.info.sonar.axes, .first_bin = 0, .last_bin = 128, .band_bins = 8, .full_scale = 255};
 }
@@ -104,10 +113,11 @@ NoiseCounts CountsOf(const MemoryRecording& recording, const NoiseCells& cells) 
 
 TEST(NoiseLikelihoodTest, ChancesAddUpToOneAndDerivativesAreTheirs) {
   for (NoiseLaw law : {TwoFloors(), Logarithm(1.4)}) {
-    for (const sim::SpeckleLaw speckle :
-         {sim::SpeckleLaw::kGamma, sim::SpeckleLaw::kWeighted, sim::SpeckleLaw::kK}) {
+    for (const sim::SpeckleLaw speckle : {sim::SpeckleLaw::kGamma, sim::SpeckleLaw::kWeighted,
+                                          sim::SpeckleLaw::kK, sim::SpeckleLaw::kKDiffuse}) {
       law.speckle = speckle;
       if (speckle == sim::SpeckleLaw::kK) law.receiver.looks = 0.6;
+      if (speckle == sim::SpeckleLaw::kKDiffuse) law.receiver.diffuse_share = 0.3;
       const GreyLevels grey(law, 255);
       const double power = 3.0;
       double sum = 0.0;
@@ -134,6 +144,12 @@ TEST(NoiseLikelihoodTest, ChancesAddUpToOneAndDerivativesAreTheirs) {
         moved.receiver.looks *= std::exp(kStep);
         EXPECT_NEAR(chance.derivative[1],
                     (GreyLevels(moved, 255).OfLevel(level, power).value - chance.value) / kStep, 1e-4);
+        moved = law;
+        const double odds = law.receiver.diffuse_share / (1.0 - law.receiver.diffuse_share) * std::exp(kStep);
+        moved.receiver.diffuse_share = odds / (1.0 + odds);
+        EXPECT_NEAR(chance.derivative[4],
+                    (GreyLevels(moved, 255).OfLevel(level, power).value - chance.value) / kStep, 1e-4);
+        EXPECT_EQ(chance.derivative[4] != 0.0, speckle == sim::SpeckleLaw::kKDiffuse);
       }
     }
   }
@@ -218,6 +234,30 @@ TEST(NoiseSolverTest, ScoreIsTheDerivativeOfTheLikelihood) {
   check(at.layout.soft_db, law.display.soft_db, law);
   check(at.layout.taper + 2, law.receiver.noise_taper_db[2], law);
   check(at.layout.after_taper + 4, law.receiver.noise_after_gain_taper_db[4], law);
+}
+
+TEST(NoiseSolverTest, ScoreByLooksAndDiffuseShareIsTheDerivativeOfTheLikelihood) {
+  const Source source(TextureAndDiffuse(0.4, 0.5));
+  const NoiseCells cells = CellsOf(source);
+  const NoiseCounts counts = CountsOf(source.Draw(3, 5), cells);
+  NoiseFitOptions options;
+  options.max_iterations = 0;
+  const NoiseSolution at = SolveNoise(TextureAndDiffuse(0.7, 0.2), false, counts, cells, {}, options);
+  const Eigen::VectorXd score = NoiseScore(at, counts, cells, {}, 0.0);
+  ASSERT_GE(at.layout.logit_diffuse, 0);
+  const auto log_likelihood = [&](double log_looks, double logit_share) {
+    NoiseLaw law = at.law;
+    const double odds =
+        law.receiver.diffuse_share / (1.0 - law.receiver.diffuse_share) * std::exp(logit_share);
+    law.receiver.looks *= std::exp(log_looks);
+    law.receiver.diffuse_share = odds / (1.0 + odds);
+    return -3.0 * 128 * kBeams * Agreement(law, counts, cells, {}, 0.0).nats_per_pixel;
+  };
+  constexpr double kStep = 1e-4;
+  EXPECT_NEAR(score[at.layout.log_looks],
+              (log_likelihood(kStep, 0.0) - log_likelihood(-kStep, 0.0)) / (2.0 * kStep), 0.01);
+  EXPECT_NEAR(score[at.layout.logit_diffuse],
+              (log_likelihood(0.0, kStep) - log_likelihood(0.0, -kStep)) / (2.0 * kStep), 0.01);
 }
 
 // x = power / N is exponential: its score in ln N is x - 1, of variance 1. Quantisation takes a little.
@@ -362,6 +402,42 @@ TEST(NoiseFitTest, TextureOfReverberationIsFound) {
   EXPECT_LT(*looks->sigma, 0.02);
 }
 
+TEST(NoiseFitTest, ADiffuseComponentBesideTextureIsFound) {
+  for (const auto& [looks, share] : {std::pair{0.4, 0.5}, {0.25, 0.2}, {0.5, 0.75}}) {
+    Source source(TextureAndDiffuse(looks, share));
+    source.info.scale.db_span = 80.0;
+    const NoiseFit fit = FitNoise(source.Draw(66, 2), {});
+    ASSERT_TRUE(fit.usable);
+    EXPECT_EQ(fit.law.speckle, sim::SpeckleLaw::kKDiffuse) << looks << " " << share;
+    EXPECT_LT(fit.judged.ks, 0.015);
+    for (const auto& [name, truth] :
+         {std::pair{"receiver.looks", looks}, {"receiver.diffuse_share", share}}) {
+      const FittedParameter* found = fit.report.Find(name);
+      ASSERT_TRUE(found && found->sigma) << name;
+      EXPECT_EQ(found->status, ParameterStatus::kFree);
+      EXPECT_NEAR(found->value, truth, 4.0 * *found->sigma) << name;
+      EXPECT_LT(*found->sigma, 0.03) << name;
+      RecordProperty(fmt::format("{}_of_{}", name, truth),
+                     fmt::format("{:.4f}_{:.4f}", found->value, *found->sigma));
+    }
+  }
+}
+
+TEST(NoiseFitTest, TextureAloneHasNoDiffuseComponent) {
+  for (const double looks : {0.3, 0.6}) {
+    for (const std::uint64_t seed : {3, 4}) {
+      Source source(Logarithm(looks));
+      source.info.scale.db_span = 80.0;
+      const NoiseFit fit = FitNoise(source.Draw(66, seed), {});
+      ASSERT_TRUE(fit.usable);
+      EXPECT_EQ(fit.law.speckle, sim::SpeckleLaw::kK) << looks << " " << seed;
+      EXPECT_EQ(fit.law.receiver.diffuse_share, 0.0);
+      EXPECT_FALSE(fit.report.Find("receiver.diffuse_share"));
+      EXPECT_EQ(fit.choices.back().speckle, sim::SpeckleLaw::kKDiffuse) << "was tried";
+    }
+  }
+}
+
 TEST(NoiseFitTest, NoTextureIsFoundWhereThereIsNone) {
   Source source(Logarithm(1.0));
   source.info.scale.db_span = 80.0;
@@ -369,6 +445,7 @@ TEST(NoiseFitTest, NoTextureIsFoundWhereThereIsNone) {
     const NoiseFit fit = FitNoise(source.Draw(30, seed), {});
     ASSERT_TRUE(fit.usable);
     EXPECT_NE(fit.law.speckle, sim::SpeckleLaw::kK);
+    EXPECT_NE(fit.law.speckle, sim::SpeckleLaw::kKDiffuse);
   }
 }
 
@@ -501,6 +578,19 @@ TEST(NoiseFitTest, SamplesThatAreNotValidDoNotCount) {
   EXPECT_LT(fit.judged.ks, 0.015);
 }
 
+Eigen::MatrixXd SandwichOf(const NoiseSolution& solution, const std::vector<NoiseCounts>& pings,
+                           const NoiseCells& cells) {
+  const int count = solution.layout.count;
+  const Eigen::MatrixXd bread = solution.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
+  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(count, count);
+  for (const NoiseCounts& ping : pings) {
+    const Eigen::VectorXd score = NoiseScore(solution, ping, cells, {}, 0.0);
+    meat += score * score.transpose();
+  }
+  const double count_of_pings = static_cast<double>(pings.size());
+  return bread * meat * bread * (count_of_pings / (count_of_pings - 1.0));
+}
+
 // A quick form of the coverage study: how often the 68 % interval holds the truth, over synthetic sets.
 TEST(NoiseFitTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
   Source source(Logarithm(1.0));
@@ -521,14 +611,7 @@ TEST(NoiseFitTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
     start.receiver.noise_db = 20.0;
     const NoiseSolution solution = SolveNoise(start, true, all, cells, {}, {});
     ASSERT_TRUE(solution.converged);
-    const int count = solution.layout.count;
-    const Eigen::MatrixXd bread = solution.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
-    Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(count, count);
-    for (const NoiseCounts& ping : pings) {
-      const Eigen::VectorXd score = NoiseScore(solution, ping, cells, {}, 0.0);
-      meat += score * score.transpose();
-    }
-    const Eigen::MatrixXd covariance = bread * meat * bread * (kPings / (kPings - 1.0));
+    const Eigen::MatrixXd covariance = SandwichOf(solution, pings, cells);
     const auto count_in = [&](int place, double value, double true_value) {
       const double z = std::abs(value - true_value) / std::sqrt(covariance(place, place));
       within += z < 1.0;
@@ -548,6 +631,41 @@ TEST(NoiseFitTest, IntervalsHoldTheTruthAsOftenAsTheySay) {
   RecordProperty("share_within_one_sigma", std::to_string(static_cast<double>(within) / counted));
   EXPECT_NEAR(static_cast<double>(within) / counted, 0.68, 0.05);
   EXPECT_NEAR(static_cast<double>(within_two) / counted, 0.95, 0.03);
+}
+
+TEST(NoiseFitTest, IntervalsOfLooksAndDiffuseShareHoldTheTruth) {
+  Source source(TextureAndDiffuse(0.4, 0.5));
+  const NoiseCells cells = CellsOf(source);
+  constexpr int kSets = 40;
+  constexpr int kPings = 40;
+  int within = 0;
+  int within_two = 0;
+  double sum_z = 0.0;
+  for (int set = 0; set < kSets; ++set) {
+    const MemoryRecording recording = source.Draw(kPings, 300 + set);
+    std::vector<NoiseCounts> pings;
+    pings.reserve(kPings);
+    for (int i = 0; i < kPings; ++i) pings.push_back(CountGrey(recording.ReadFrame(i).image, cells));
+    NoiseLaw start = TextureAndDiffuse(0.8, 0.3);
+    start.receiver.noise_db = 20.0;
+    const NoiseSolution solution = SolveNoise(start, false, AddCounts(pings, cells), cells, {}, {});
+    ASSERT_TRUE(solution.converged);
+    const Eigen::MatrixXd covariance = SandwichOf(solution, pings, cells);
+    const auto count_in = [&](int place, double truth) {
+      const double z = (solution.value[place] - truth) / std::sqrt(covariance(place, place));
+      within += std::abs(z) < 1.0;
+      within_two += std::abs(z) < 1.96;
+      sum_z += z;
+    };
+    count_in(solution.layout.log_looks, std::log(0.4));
+    count_in(solution.layout.logit_diffuse, 0.0);
+  }
+  RecordProperty("share_within_one_sigma", std::to_string(within / (2.0 * kSets)));
+  RecordProperty("share_within_two_sigma", std::to_string(within_two / (2.0 * kSets)));
+  // 80 intervals, correlated by pairs: two standard deviations are 10 to 15 % and 5 to 7 %.
+  EXPECT_NEAR(within / (2.0 * kSets), 0.68, 0.15);
+  EXPECT_NEAR(within_two / (2.0 * kSets), 0.95, 0.07);
+  EXPECT_LT(std::abs(sum_z), 2.0 * 2.0 * std::sqrt(2.0 * kSets));
 }
 
 TEST(NoiseFitTest, InvalidHeldOutPingsAndRecordingsAreRefused) {
@@ -614,6 +732,27 @@ TEST(NoiseJudgementTest, LevelsOfPingsAreFoundAndTheLawIsNotFitted) {
   const NoiseJudgement true_law = JudgeNoise(louder.law, recording, {0, 1}, CellsOf(source), {});
   EXPECT_EQ(true_law.pings_beyond_chance(), 0);
   EXPECT_LE(true_law.cells_beyond_chance(), 1);
+}
+
+TEST(NoiseJudgementTest, ALawWithADiffuseComponentIsJudgedByItself) {
+  const Source source(TextureAndDiffuse(0.4, 0.5));
+  const MemoryRecording recording = source.Draw(4, 5);
+  const std::vector<int> pings = {0, 1, 2, 3};
+  EXPECT_LE(JudgeNoise(source.law, recording, pings, CellsOf(source), {}).pings_beyond_chance(), 1);
+  NoiseLaw other = source.law;
+  other.receiver.diffuse_share = 0.0;  // the K law of the same variance
+  EXPECT_EQ(JudgeNoise(other, recording, pings, CellsOf(source), {}).pings_beyond_chance(), 4);
+  other.speckle = sim::SpeckleLaw::kK;
+  const double ks = JudgeNoise(other, recording, pings, CellsOf(source), {}).agreement.ks;
+  other.speckle = sim::SpeckleLaw::kKDiffuse;
+  EXPECT_EQ(JudgeNoise(other, recording, pings, CellsOf(source), {}).agreement.ks, ks);
+
+  other = source.law;
+  other.speckle = sim::SpeckleLaw::kK;
+  EXPECT_THROW(JudgeNoise(other, recording, pings, CellsOf(source), {}), DataError);
+  other = source.law;
+  other.receiver.looks = 0.01;
+  EXPECT_THROW(JudgeNoise(other, recording, pings, CellsOf(source), {}), DataError);
 }
 
 // Background of one look and 0 dB through a display, 8 bits.

@@ -56,7 +56,8 @@ ParameterSet UnlikeTheDefaults() {
                   .noise_taper_db = {0.1, -0.2, 1.0 / 3.0},
                   .noise_after_gain_db = -3.9,
                   .noise_after_gain_taper_db = {1.5, 0.0},
-                  .looks = 2.5};
+                  .looks = 2.5,
+                  .diffuse_share = 0.3};
   set.beam = {0.7,
               19.3,
               AzimuthPattern::kTable,
@@ -126,7 +127,8 @@ TEST(ParametersIoTest, UnknownKeysAreRefusedAtEveryDepth) {
   EXPECT_EQ(RefusalOf(Changed("\"db_max\": 190", "\"db_max\": 190, \"gamma\": 1")),
             "p.json:2: unknown key 'display.gamma'; expected one of db_max, db_min, exponent, law, soft_db");
   EXPECT_EQ(RefusalOf(Changed("\"display\"", "\"receiver\": {\"gian_db\": 1},\n\"display\"")),
-            "p.json:2: unknown key 'receiver.gian_db'; expected one of gain_db, looks, noise_after_gain_db, "
+            "p.json:2: unknown key 'receiver.gian_db'; expected one of diffuse_share, gain_db, looks, "
+            "noise_after_gain_db, "
             "noise_after_gain_taper_db, noise_db, noise_slope_db_per_m, noise_taper_db, time_varied_gain");
 }
 

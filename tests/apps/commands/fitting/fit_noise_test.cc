@@ -220,6 +220,9 @@ TEST_F(FitNoiseCommand, JudgeNoiseMeasuresFalseAlarms) {
 TEST_F(FitNoiseCommand, JudgeNoiseRefusesALawOfAnotherSonarInOneSentence) {
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
   ParameterSet law = data_io::ReadParameters(world_ / "out/params.json");
+  law.receiver.looks = 0.5;
+  law.receiver.diffuse_share = 0.3;
+  data_io::WriteParameters(world_ / "diffuse.json", law);
   law.receiver.noise_taper_db.pop_back();
   data_io::WriteParameters(world_ / "other.json", law);
   law.receiver.noise_taper_db.clear();
@@ -228,7 +231,8 @@ TEST_F(FitNoiseCommand, JudgeNoiseRefusesALawOfAnotherSonarInOneSentence) {
   law.receiver.noise_after_gain_db.reset();
   data_io::WriteParameters(world_ / "silent.json", law);
   for (const auto& [file, part] :
-       {std::pair{"other.json", "values of receiver.noise_taper_db, expected as many"},
+       {std::pair{"diffuse.json", "gamma speckle, expected k_diffuse speckle"},
+        std::pair{"other.json", "values of receiver.noise_taper_db, expected as many"},
         std::pair{"silent.json", "has no noise level"}}) {
     const Outcome outcome =
         RunSonarcal("judge-noise --params " + Quoted(world_ / file) + " --real " + Quoted(real_));
