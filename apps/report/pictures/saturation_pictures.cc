@@ -29,11 +29,11 @@ void AddSaturation(HtmlReport& report, const std::vector<calib::FrameSaturation>
                            of.level ? fmt::format("{}", of.pixels_at_level) : "–"}});
   }
   report.Add(table);
-  PictureRow row{
-      .caption = fmt::format("{} frames with streaks, beside the same with the range bins left out as black",
-                             RealCaption(is_synthetic)),
-      .pictures = {},
-      .columns = 2};
+  PictureRow row{.caption = fmt::format(
+                     "{} frames with streaks, beside the same frames with the left-out range bins in black",
+                     RealCaption(is_synthetic)),
+                 .pictures = {},
+                 .columns = 2};
   for (const calib::FrameSaturation& of : saturation) {
     const auto image = images.find(of.frame);
     if (image == images.end() || of.streaks.empty()) continue;
