@@ -131,7 +131,7 @@ TEST_P(PowerLikelihoodTest, HasItsLimitsAtTheEndsOfTheDomain) {
   EXPECT_NEAR(ExpectedInformation(0.0, 1e-300, 1.0, looks), 0.0, 1e-12) << "all clipped at the top";
 }
 
-INSTANTIATE_TEST_SUITE_P(Looks, PowerLikelihoodTest, ::testing::Values(1.0, 1.4, 4.0));
+INSTANTIATE_TEST_SUITE_P(Looks, PowerLikelihoodTest, ::testing::Values(1.0, 1.4, 2.0, 4.0));
 
 }  // namespace
 }  // namespace sonarcal::calib
