@@ -131,7 +131,29 @@ TEST_P(PowerLikelihoodTest, HasItsLimitsAtTheEndsOfTheDomain) {
   EXPECT_NEAR(ExpectedInformation(0.0, 1e-300, 1.0, looks), 0.0, 1e-12) << "all clipped at the top";
 }
 
-INSTANTIATE_TEST_SUITE_P(Looks, PowerLikelihoodTest, ::testing::Values(1.0, 1.4, 4.0));
+// Beyond the range of numbers. Below, F(x) = (L x)^L / Gamma(L + 1) falls as x^L and counts as 1e-290. Above,
+// 1 - F(x) = exp(-L x).
+TEST(PowerLikelihoodTailTest, TermsOfBothTailsInClosedForm) {
+  const double lowest = std::sqrt(2.0 * 290.0 * std::log(10.0));
+  EXPECT_NEAR(PowerLikelihood({0.0, Censoring::kAtMost}, 1.0, 1.4).residual, lowest, 1e-12);
+  const LikelihoodTerm below = PowerLikelihood({1e-200, Censoring::kAtMost}, 1.0, 4.0);
+  EXPECT_NEAR(below.residual, lowest, 1e-12);
+  EXPECT_NEAR(below.slope, 4.0 / lowest, 1e-12);
+  for (const double looks : {1.0, 1.4, 4.0}) {
+    const LikelihoodTerm above = PowerLikelihood({2e4, Censoring::kAtLeast}, 2.0, looks);
+    EXPECT_NEAR(above.residual, std::sqrt(2e4 * looks), 1e-9);
+    EXPECT_NEAR(above.slope, -std::sqrt(5e3 * looks), 1e-9);
+  }
+}
+
+TEST(PowerLikelihoodTailTest, InformationDependsOnRatiosToTheMean) {
+  for (const double looks : {1.0, 1.4}) {
+    EXPECT_NEAR(ExpectedInformation(3.5, 21.0, 7.0, looks), ExpectedInformation(0.5, 3.0, 1.0, looks), 1e-12);
+    EXPECT_GT(ExpectedInformation(0.5, 9.0, 1.0, looks) - ExpectedInformation(0.5, 3.0, 1.0, looks), 0.01);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Looks, PowerLikelihoodTest, ::testing::Values(1.0, 1.4, 2.0, 4.0));
 
 }  // namespace
 }  // namespace sonarcal::calib

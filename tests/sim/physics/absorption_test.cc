@@ -246,5 +246,17 @@ TEST(SonarEquation, AddsAndSubtractsAsEquation10) {
   EXPECT_DOUBLE_EQ(SonarEquationDb(200.0, 44.0, -30.0, 10.0, 3.0), 119.0);
 }
 
+// All three terms at 10 ppt, as published; the table has 35 ppt and fresh water only.
+TEST(Absorption, SalinityMovesTheRelaxationOfMagnesium) {
+  const Water water{.temperature_c = 10.0, .salinity_ppt = 10.0, .ph = 8.0, .depth_m = 0.0};
+  const double c = 1412.0 + 3.21 * 10.0 + 1.19 * 10.0;
+  const double f2 = 8.17 * std::pow(10.0, 8.0 - 1990.0 / 283.0) / (1.0 - 0.0018 * 25.0);
+  const double f1 = 2.8 * std::sqrt(10.0 / 35.0) * std::pow(10.0, 4.0 - 1245.0 / 283.0);
+  const double magnesium = 21.44 * 10.0 / c * 1.25 * f2 * 2500.0 / (f2 * f2 + 2500.0);
+  const double boric = 8.86 / c * std::pow(10.0, 1.24) * f1 * 2500.0 / (f1 * f1 + 2500.0);
+  const double viscous = (4.937e-4 - 2.59e-4 + 9.11e-5 - 1.50e-5) * 2500.0;
+  EXPECT_NEAR(1e3 * FrancoisGarrisonDbPerM(50e3, water), magnesium + boric + viscous, 1e-9);
+}
+
 }  // namespace
 }  // namespace sonarcal::sim

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/types/units.h"
 
@@ -281,6 +282,65 @@ TEST(TransmitPattern, IsEvenThenACosineOfPressure) {
   EXPECT_EQ(sent.Power(RadFromDeg(45.1)), 0.0);
   beam.transmit_end_deg = 24.0;  // a sharp edge
   EXPECT_EQ(TransmitPattern(beam).Power(RadFromDeg(24.1)), 0.0);
+}
+
+// Envelope of the side lobes at v: ((1 - t) + (t / 2) / (v^2 - 1)) / (pi v (1 - t / 2)). At the reach it is
+// the level.
+TEST(AzimuthReach, IsWhereTheEnvelopeOfTheSideLobesMeetsTheLevel) {
+  for (const double t : {0.0, 0.4, 1.0}) {
+    const AzimuthResponse<double> response(Aperture(8.0, t));
+    const auto [low, high] = AzimuthReachRad(response, 0.1, -20.0);
+    for (const double off : {std::sin(high) - std::sin(0.1), std::sin(0.1) - std::sin(low)}) {
+      const double v = response.aperture_wavelengths() * off;
+      const double envelope =
+          ((1.0 - t) + 0.5 * t / (v * v - 1.0)) / (std::numbers::pi * v * (1.0 - 0.5 * t));
+      EXPECT_NEAR(20.0 * std::log10(envelope), -20.0, 1e-6) << "taper " << t;
+    }
+  }
+}
+
+// Beams 0.01 .. 0.07 rad apart, a table of one beam to each side at 0 dB: an even response over two beams.
+TEST(AzimuthReach, ATableReachesAsFarAsTheWidestBeams) {
+  const std::vector<double> table_db = {0.0, 0.0, 0.0};
+  const std::vector<double> centres = {0.0, 0.01, 0.03, 0.1, 0.11};
+  AzimuthShape<double> shape = Table(table_db, 0.0275);
+  shape.beam_azimuth_rad = &centres;
+  const AzimuthResponse<double> response(shape);
+  const auto [low, high] = AzimuthReachRad(response, 0.03, -60.0);
+  EXPECT_NEAR(low, 0.03 - 0.07, 1e-8);
+  EXPECT_NEAR(high, 0.03 + 0.07, 1e-8);
+  EXPECT_NEAR(AzimuthEquivalentWidthRad(response, 0.02), 2.0 * 0.02, 1e-12);
+  EXPECT_NEAR(AzimuthEquivalentWidthRad(response, 0.05), 2.0 * 0.07, 1e-12);
+  EXPECT_NEAR(AzimuthEquivalentWidthRad(response, 0.005), 2.0 * 0.01, 1e-12);
+  EXPECT_NEAR(AzimuthEquivalentWidthRad(response, 0.105), 2.0 * 0.01, 1e-12);
+}
+
+// A slope of 10 dB per beam integrates to (1 - 0.1) / ln 10 of a beam, an even step to its value.
+TEST(AzimuthEquivalentWidth, StepsOfATableInClosedForm) {
+  const std::vector<double> table_db = {-10.0, 0.0, 0.0, -10.0 * std::log10(2.0), -300.0};
+  const double expected = 0.9 / std::numbers::ln10 + 1.0 + 0.5 / std::numbers::ln2 +
+                          0.5 / (std::numbers::ln10 * (30.0 - std::log10(2.0)));
+  EXPECT_NEAR(AzimuthEquivalentWidthRad(AzimuthResponse<double>(Table(table_db, 0.01)), 0.0), 0.01 * expected,
+              1e-12);
+}
+
+TEST(ElevationResponse, IsEvenWithoutAWidth) {
+  EXPECT_EQ(ElevationResponse(ElevationPattern::kGaussian, 0.0, 0.0).Power(0.5), 1.0);
+}
+
+// sinc(x) = 1 - (pi x)^2 / 6 + ...
+TEST(ApertureField, SlopeOfTheSincFallsToZeroOnTheAxis) {
+  EXPECT_EQ(SincSlope(0.0), 0.0);
+  EXPECT_NEAR(SincSlope(1e-6), -kPi * kPi / 3.0 * 1e-6, 1e-15);
+}
+
+// cos(pi v) / (1 - 4 v^2) is 0 first at v = 1.5.
+TEST(ElevationResponse, MainLobeEndsAtTheFirstNull) {
+  const double width_rad = RadFromDeg(20.0);
+  const double wavelengths = 0.4254963363382263 / std::sin(0.5 * width_rad);
+  EXPECT_NEAR(MainLobeEndRad({ElevationPattern::kCosine, width_rad, 0.0}), std::asin(1.5 / wavelengths),
+              1e-3);
+  EXPECT_EQ(MainLobeEndRad({ElevationPattern::kGaussian, width_rad, 0.0}), 0.5 * kPi);
 }
 
 }  // namespace

@@ -85,5 +85,16 @@ TEST(DisplayTest, DerivativesPassThroughEachLaw) {
   }
 }
 
+// A soft display at 0 dB: 10 log10(P + 1) or 20 log10(sqrt(P) + 1) over 20 dB. Below its own level it shows
+// no power.
+TEST(DisplayTest, SoftLawsShowPowerBelowOneAndNoneBelowTheirLevel) {
+  for (const DisplayLaw law : {DisplayLaw::kSoftLog, DisplayLaw::kSoftAmplitude}) {
+    const DisplayParameters<double> display{.db_min = -10.0, .db_max = 10.0, .law = law, .soft_db = 0.0};
+    const double shown_db = law == DisplayLaw::kSoftLog ? 10.0 * std::log10(1.25) : 20.0 * std::log10(1.5);
+    EXPECT_NEAR(PowerFromDisplay(display, (shown_db + 10.0) / 20.0), 0.25, 1e-12);
+    EXPECT_EQ(PowerFromDisplay(display, 0.4), 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace sonarcal::sim

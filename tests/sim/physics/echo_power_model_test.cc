@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -122,6 +123,39 @@ TEST(FineRowsTest, APatchAtTheEndOfTheWindowKeepsItsPower) {
       power += part;
     });
     EXPECT_GT(power, 0.8 * 5.0);  // what lies within half a row of the end loses up to half
+  }
+}
+
+// 64 parts of 0.75 pulse lengths at most: a deeper patch is cut to 64 x 0.015 m around its middle.
+TEST(FineRowsTest, APatchIsSpreadOverSixtyFourPartsAtMost) {
+  const FineRows rows(Sonar().axes, 8, 0.02);
+  const double step_m = Sonar().axes.range_bin_m() / 8;
+  double nearest_m = 10.0;
+  double farthest_m = 0.0;
+  rows.Spread(2.0, 1.8, 1.0, [&](int row, double) {
+    nearest_m = std::min(nearest_m, 1.0 + (row + 0.5) * step_m);
+    farthest_m = std::max(farthest_m, 1.0 + (row + 0.5) * step_m);
+  });
+  EXPECT_NEAR(nearest_m, 2.0 - 0.48, 1.1 * step_m);
+  EXPECT_NEAR(farthest_m, 2.0 + 0.48, 1.1 * step_m);
+}
+
+// Half of the parts of a patch at an end lie outside. Reflected, all power stays within half the depth of it.
+TEST(FineRowsTest, PartsOutsideAreReflectedButAWholeEchoIsNot) {
+  PolarAxes axes = Sonar().axes;
+  axes.range_min_m = 1.5;
+  const FineRows rows(axes, 8, 0.02);
+  const double step_m = axes.range_bin_m() / 8;
+  for (const double end_m : {1.5, 3.0}) {
+    double power = 0.0;
+    rows.Spread(end_m, 0.4, 1.0, [&](int row, double part) {
+      power += part;
+      EXPECT_LT(std::abs(1.5 + (row + 0.5) * step_m - end_m), 0.2 + step_m);
+    });
+    EXPECT_GT(power, 0.9);
+  }
+  for (const double outside_m : {1.4, 3.1}) {
+    rows.Spread(outside_m, 0.0, 1.0, [&](int row, double) { ADD_FAILURE() << outside_m << ", row " << row; });
   }
 }
 

@@ -113,6 +113,14 @@ TEST(BlurWeight, SlopeEqualsCentralDifference) {
   }
 }
 
+TEST(BlurWeight, SlopeOfAWiderIntervalEqualsCentralDifference) {
+  const double h = 1e-4;
+  const double difference = (GaussianBlurWeight(1.0, 3.5, 2.0, 4.0, 0.7 + h).value -
+                             GaussianBlurWeight(1.0, 3.5, 2.0, 4.0, 0.7 - h).value) /
+                            (2.0 * h);
+  EXPECT_NEAR(GaussianBlurWeight(1.0, 3.5, 2.0, 4.0, 0.7).slope, difference, 1e-7);
+}
+
 TEST(BlurWeight, CarriesItsSlopeToASolver) {
   using Jet = ceres::Jet<double, 1>;
   const BlurWeight weight = GaussianBlurWeight(0.0, 1.0, 1.0, 2.0, 0.5);

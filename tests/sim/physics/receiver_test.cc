@@ -74,5 +74,20 @@ TEST(ReceiverNoiseTest, IsTheNoisePowerOfEveryPixel) {
   }
 }
 
+TEST(ReceiverNoiseTest, IsEvenWithoutATaper) {
+  ReceiverParameters receiver;
+  receiver.noise_db = 20.0;
+  const PolarAxes axes{
+      .range_min_m = 1.0, .range_max_m = 2.0, .range_bins = 2, .beam_azimuth_rad = {-0.1, 0.0, 0.1}};
+  const ReceiverNoise noise(receiver, axes, 0.0);
+  for (int beam = 0; beam < 3; ++beam) EXPECT_NEAR(noise.Power(1, beam), 100.0, 1e-9);
+}
+
+TEST(Speckle, FewerThanOneLookCannotBeDrawn) {
+  EXPECT_NO_THROW(CheckLooksToDraw(1.0));
+  EXPECT_NO_THROW(CheckLooksToDraw(1.7));
+  EXPECT_THROW(CheckLooksToDraw(0.999), DataError);
+}
+
 }  // namespace
 }  // namespace sonarcal::sim
