@@ -29,6 +29,10 @@ function(sonarcal_compile_options target)
     target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-dangling-reference -Wno-array-bounds
       -Wno-stringop-overflow)
   endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+    # GCC notes wherever std::pair<double, double> is passed that GCC 10 changed the way.
+    target_compile_options(${target} PRIVATE -Wno-psabi)
+  endif()
   if(SONARCAL_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
@@ -72,6 +76,7 @@ function(sonarcal_add_test name)
   set(suites ${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake)
   add_custom_command(TARGET ${name} POST_BUILD
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${name}> -DNAME=${name} -DOUTPUT=${suites} -DPROPERTIES=${properties}
+      "-DEMULATOR=${CMAKE_CROSSCOMPILING_EMULATOR}"
       -P ${PROJECT_SOURCE_DIR}/cmake/SonarcalDiscoverTests.cmake
     BYPRODUCTS ${suites}
     VERBATIM)

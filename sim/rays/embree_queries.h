@@ -9,7 +9,11 @@
 #include <embree3/rtcore.h>
 #endif
 
+#if defined(__x86_64__)
 #include <pmmintrin.h>
+#elif defined(__aarch64__)
+#include <cstdint>
+#endif
 
 namespace sonarcal::sim::embree {
 
@@ -66,19 +70,40 @@ class Query {
 };
 #endif
 
-// Sets flush-to-zero, as Embree recommends. Restores the thread's mode at the end of the scope.
+// Sets flush-to-zero, as Embree recommends. Restores the thread's mode at the end of the scope. Has an effect
+// on x86-64 and on 64-bit ARM.
 class FlushDenormals {
  public:
+#if defined(__x86_64__)
   FlushDenormals() : saved_(_mm_getcsr()) {
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
   }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
+  ~FlushDenormals() {
+    _mm_setcsr(saved_);
+  }
+#elif defined(__aarch64__)
+  FlushDenormals() {
+    constexpr std::uint64_t kFlushToZero = 1U << 24;  // the bit FZ: operands and results
+    __asm__ volatile("mrs %0, fpcr" : "=r"(saved_));
+    __asm__ volatile("msr fpcr, %0" : : "r"(saved_ | kFlushToZero) : "memory");
+  }
+  ~FlushDenormals() {
+    __asm__ volatile("msr fpcr, %0" : : "r"(saved_) : "memory");
+  }
+#else
+  FlushDenormals() {}
+#endif
   FlushDenormals(const FlushDenormals&) = delete;
   FlushDenormals& operator=(const FlushDenormals&) = delete;
 
+#if defined(__x86_64__)
  private:
   unsigned saved_;
+#elif defined(__aarch64__)
+ private:
+  std::uint64_t saved_;
+#endif
 };
 
 }  // namespace sonarcal::sim::embree
