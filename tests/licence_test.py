@@ -23,7 +23,7 @@ PACKAGE_FIELDS = ["SPDXID", "name", "versionInfo", "downloadLocation", "filesAna
 USES = {"linked": "DYNAMIC_LINK", "linked statically": "STATIC_LINK", "compiled in": "CONTAINS", "embedded": "CONTAINS"}
 
 # Runtime libraries of C and C++, and of the sanitizers.
-RUNTIME = r"ld-linux.*|lib(c|m|mvec|stdc\+\+|gcc_s|pthread|dl|rt|asan|ubsan)"
+RUNTIME = r"ld-linux.*|lib(c|m|mvec|stdc\+\+|gcc_s|pthread|dl|rt|asan|tsan|ubsan)"
 # Names of shared libraries that differ from the name in the list.
 LIBRARIES = {
     r"archive": "libarchive",

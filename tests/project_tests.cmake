@@ -25,8 +25,8 @@ if(SONARCAL_SHELLCHECK)
 endif()
 
 set(consumer_flags "-Wall")
-if(SONARCAL_SANITIZE)
-  string(APPEND consumer_flags " -fsanitize=address,undefined")
+if(SONARCAL_SANITIZERS)
+  string(APPEND consumer_flags " -fsanitize=${SONARCAL_SANITIZERS}")
 endif()
 add_test(NAME consumer
   COMMAND ${CMAKE_COMMAND} -DBUILD_DIR=${PROJECT_BINARY_DIR} -DSOURCE_DIR=${PROJECT_SOURCE_DIR}/tests/consumer

@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
                  argv[0]);
     return 2;
   }
-#if !defined(__SANITIZE_ADDRESS__)  // which reserves terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which reserve terabytes
   const rlimit limit{std::size_t{sonarcal::fuzz::kMaxFuzzMemoryMiB} << 20,
                      std::size_t{sonarcal::fuzz::kMaxFuzzMemoryMiB} << 20};
   if (setrlimit(RLIMIT_AS, &limit) != 0) return 1;
