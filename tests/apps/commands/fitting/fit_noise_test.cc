@@ -220,9 +220,10 @@ TEST_F(FitNoiseCommand, JudgeNoiseMeasuresFalseAlarms) {
 TEST_F(FitNoiseCommand, JudgeNoiseRefusesALawOfAnotherSonarInOneSentence) {
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
   ParameterSet law = data_io::ReadParameters(world_ / "out/params.json");
-  law.receiver.looks = 0.5;
-  law.receiver.diffuse_share = 0.3;
-  data_io::WriteParameters(world_ / "diffuse.json", law);
+  ParameterSet diffuse = law;
+  diffuse.receiver.looks = 0.5;
+  diffuse.receiver.diffuse_share = 0.3;
+  data_io::WriteParameters(world_ / "diffuse.json", diffuse);
   law.receiver.noise_taper_db.pop_back();
   data_io::WriteParameters(world_ / "other.json", law);
   law.receiver.noise_taper_db.clear();
