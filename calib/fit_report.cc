@@ -127,9 +127,11 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
   json["termination"] = report.termination;
   json["frames_used"] = report.frames_used;
   json["frames_held_out"] = report.frames_held_out;
-  json["saturation"] = Json::array();
-  for (const FrameSaturation& saturation : report.saturation)
-    json["saturation"].push_back(ToJson(saturation));
+  if (report.saturation) {
+    json["saturation"] = Json::array();
+    for (const FrameSaturation& saturation : *report.saturation)
+      json["saturation"].push_back(ToJson(saturation));
+  }
   json["timing_s"] = {{"trace", report.trace_s}, {"solve", report.solve_s}};
   json["rays_cast"] = report.rays_cast;
   if (!extra_members.empty()) {

@@ -91,7 +91,8 @@ struct FitReport {
   std::string termination;
   std::vector<int> frames_used;
   std::vector<int> frames_held_out;
-  std::vector<FrameSaturation> saturation;  // frames, used or held out, with traces of a saturated receiver
+  // Frames, used or held out, with traces of a saturated receiver. Absent: not looked for.
+  std::optional<std::vector<FrameSaturation>> saturation = {};
   double trace_s = 0.0;
   // Time of the whole fit. For the acoustic model, includes tracing and gathering during the fit.
   double solve_s = 0.0;

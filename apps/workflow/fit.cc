@@ -34,7 +34,7 @@ namespace sonarcal::workflow {
 namespace {
 
 constexpr std::size_t kMaxKeptFrames = 16;  // each is traced again
-constexpr std::size_t kSaturatedFramesKept = 3;
+constexpr std::size_t kStreakedFramesKept = 3;
 
 // Number of frames on which two samples are compared with each other. Each is traced twice more.
 constexpr int kPairFrames = 4;
@@ -371,7 +371,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   report.warnings.insert(report.warnings.begin(), assumed.begin(), assumed.end());
   report.frames_held_out = split.held_out;
   report.saturation = calib::FindSaturation(recording, FramesOf(split));
-  say(calib::SaturationText(report.saturation));
+  say(calib::SaturationText(*report.saturation));
   report.trace_s = trace_s;
   report.rays_cast = simulator.caster().rays_cast();
   if (const auto truth = options.truth ? options.truth : ReadTruth(recording.info()))
@@ -453,9 +453,10 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   doubts.insert(doubts.end(), worse.begin(), worse.end());
   report.warnings.insert(report.warnings.begin(), doubts.begin(), doubts.end());
   if (options.keep_images) {
-    for (const calib::FrameSaturation& saturated : report.saturation) {
-      if (result.saturated_frames.size() >= kSaturatedFramesKept) break;
-      result.saturated_frames.emplace(saturated.frame, recording.ReadFrame(saturated.frame).image);
+    for (const calib::FrameSaturation& saturated : *report.saturation) {
+      if (result.streaked_frames.size() >= kStreakedFramesKept) break;
+      if (!saturated.streaks.empty())
+        result.streaked_frames.emplace(saturated.frame, recording.ReadFrame(saturated.frame).image);
     }
     const std::vector<int> examples = RepresentativeFrames(result.after);
     result.frames_before = ComparedFrames(recording, before, judge, examples);

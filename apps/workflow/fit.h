@@ -99,9 +99,9 @@ struct RecordingFit {
   // are 1.
   std::vector<Grid<float>> weights = {};
   PolarAxes axes = {};  // of the weights
-  // First frames with traces of a saturated receiver, by index. Empty without
+  // First frames with streaks of a saturated receiver, by index. Empty without
   // FitRecordingOptions::keep_images.
-  std::map<int, PolarImage> saturated_frames = {};
+  std::map<int, PolarImage> streaked_frames = {};
   // Images and metrics of compared frames: at most three examples before the fit; these and others after it.
   // Empty without FitRecordingOptions::keep_images.
   std::vector<ComparedFrame> frames_before = {};

@@ -1,7 +1,6 @@
 #include "calib/models/frame_saturation.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -65,25 +64,28 @@ void LeaveOutSaturated(const PolarImage& image, const std::optional<Mask>& valid
 
 std::string SaturationText(const std::vector<FrameSaturation>& saturation) {
   if (saturation.empty()) return {};
-  std::vector<int> streaked;
-  std::vector<int> piled;
-  int bins = 0;
+  const auto frames = [](std::int64_t count) {
+    return fmt::format("{} frame{}", count, count == 1 ? "" : "s");
+  };
+  std::int64_t streaked = 0;
+  std::int64_t piled = 0;
+  std::int64_t bins = 0;
   std::int64_t pixels = 0;
   for (const FrameSaturation& of : saturation) {
-    if (!of.streaks.empty()) streaked.push_back(of.frame);
-    if (of.level) piled.push_back(of.frame);
-    for (const AzimuthStreak& streak : of.streaks) bins += streak.end_bin - streak.first_bin;
+    streaked += of.streaks.empty() ? 0 : 1;
+    piled += of.level ? 1 : 0;
     pixels += of.pixels_at_level;
+    for (const AzimuthStreak& streak : of.streaks) bins += streak.end_bin - streak.first_bin;
   }
-  std::string text = "the receiver was saturated:";
-  if (!streaked.empty()) {
-    text += fmt::format(" {} range bins with streaks along azimuth are left out (frame{} {})", bins,
-                        streaked.size() == 1 ? "" : "s", fmt::join(streaked, ", "));
+  std::string text = "traces of a saturated receiver:";
+  if (streaked > 0) {
+    text +=
+        fmt::format(" {} range bins with streaks along azimuth are left out in {}", bins, frames(streaked));
   }
-  if (!piled.empty()) {
-    text += fmt::format("{} values pile up below full scale at {} pixels (frame{} {})",
-                        streaked.empty() ? "" : ", and", pixels, piled.size() == 1 ? "" : "s",
-                        fmt::join(piled, ", "));
+  if (piled > 0) {
+    text +=
+        fmt::format("{} {} pixels have the highest grey level of {}, below full scale, where values pile up",
+                    streaked > 0 ? ";" : "", pixels, frames(piled));
   }
   return text;
 }

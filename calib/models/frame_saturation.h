@@ -1,7 +1,8 @@
 // Traces of a saturated receiver in the frames of a fit (core/imaging/saturation.h), and what the fit does
 // with them. The range bins of a streak do not count. Pixels at the level where values pile up stand for all
 // higher powers, as those at full scale do: to leave out pixels because they are bright would make the rest
-// too dark. A fit of the paper's model, which knows no such pixels, leaves them out.
+// too dark. A fit of the paper's model, which knows no such pixels, leaves them out. A fit of a noise law
+// takes their level as it is.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ void LeaveOutStreaks(const PolarImage& image, const std::optional<Mask>& valid,
 void LeaveOutSaturated(const PolarImage& image, const std::optional<Mask>& valid,
                        std::vector<std::uint8_t>& use);
 
-// Tells in one sentence what was found in which frames, without a full stop; empty if nothing was.
+// Tells in one sentence what was found, without a full stop; empty if nothing was.
 std::string SaturationText(const std::vector<FrameSaturation>& saturation);
 
 }  // namespace sonarcal::calib

@@ -162,6 +162,9 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   }
   CheckHeldOut(recording, {.used = frames_used, .held_out = held_out});
   SetJudges(held_out, frames_used, fit);
+  std::vector<int> frames_all(recording.frame_count());
+  std::iota(frames_all.begin(), frames_all.end(), 0);
+  const std::vector<FrameSaturation> saturation = FindSaturation(recording, frames_all);
   Pings used = ReadPings(recording, frames_used, fit.cells);
   const std::vector<NoiseForm> forms = DisplayForms(recording.info(), options);
   if (options.find_background) {
@@ -246,6 +249,7 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
     fit.report.termination = "ended before any candidate converged";
     fit.report.frames_used = frames_used;
     fit.report.frames_held_out = held_out;
+    fit.report.saturation = saturation;
     return fit;
   }
   fit.choices[chosen].chosen = true;
@@ -256,8 +260,6 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   fit.judged =
       Agreement(fit.evaluated_law, judging.all, fit.cells, judging_weight, options.absorption_db_per_m);
 
-  std::vector<int> frames_all(recording.frame_count());
-  std::iota(frames_all.begin(), frames_all.end(), 0);
   const Pings all = ReadPings(recording, frames_all, fit.cells);
   const Fitter fitter_all(all, fit.cells, options, fit.weight);
   if (fit.judged_on_held_out) {
@@ -274,7 +276,7 @@ NoiseFit FitNoise(const RecordingSource& recording, const NoiseFitOptions& optio
   fit.report.start_costs = best.start_costs;
   fit.report.frames_used = frames_used;
   fit.report.frames_held_out = held_out;
-  fit.report.saturation = FindSaturation(recording, frames_all);
+  fit.report.saturation = saturation;
   fit.all = JudgeNoise(fit.law, recording, frames_all, fit.cells, fit.weight, options.absorption_db_per_m);
   fit.report.raw = fit.used.raw;
   fit.report.whitened = fit.used.whitened;

@@ -113,21 +113,18 @@ QuantileBound GreyLevels::BoundAt(double ratio) const {
           .beyond = sim::SpeckleSurvival(looks, ratio, closed_form_)};
 }
 
-GreyLevels::Speckle GreyLevels::SpeckleAt(double ratio) const {
-  if (with_diffuse_) {
-    const sim::KDiffuseLaw::Value at = with_diffuse_->At(ratio);
-    return {at.cdf, at.survival, at.density, at.cdf_by_log_looks, at.cdf_by_logit_share};
-  }
+sim::KDiffuseLaw::Value GreyLevels::SpeckleAt(double ratio) const {
+  if (with_diffuse_) return with_diffuse_->At(ratio);
   const double looks = law_.receiver.looks;
   const QuantileBound bound = BoundAt(ratio);
-  Speckle speckle{.below = bound.below,
-                  .beyond = bound.beyond,
-                  .density = sim::SpeckleDensity(looks, ratio, closed_form_)};
+  sim::KDiffuseLaw::Value speckle{.cdf = bound.below,
+                                  .survival = bound.beyond,
+                                  .density = sim::SpeckleDensity(looks, ratio, closed_form_)};
   if (!by_looks_) return speckle;
   const double more = looks * std::exp(kLooksStep);
-  speckle.below_by_log_looks =
-      speckle.below < 0.5 ? (sim::SpeckleCdf(more, ratio, closed_form_) - speckle.below) / kLooksStep
-                          : (speckle.beyond - sim::SpeckleSurvival(more, ratio, closed_form_)) / kLooksStep;
+  speckle.cdf_by_log_looks =
+      speckle.cdf < 0.5 ? (sim::SpeckleCdf(more, ratio, closed_form_) - speckle.cdf) / kLooksStep
+                        : (speckle.survival - sim::SpeckleSurvival(more, ratio, closed_form_)) / kLooksStep;
   return speckle;
 }
 
@@ -135,13 +132,13 @@ GreyLevels::Chance GreyLevels::Below(int level, double noise_power) const {
   if (level < 0) return {.value = 0.0, .beyond = 1.0};
   if (level >= static_cast<int>(edge_power_.size())) return {.value = 1.0, .beyond = 0.0};
   const double ratio = RatioAt(level, noise_power);
-  const Speckle at = SpeckleAt(ratio);
-  Chance below{.value = at.below, .beyond = at.beyond};
+  const sim::KDiffuseLaw::Value at = SpeckleAt(ratio);
+  Chance below{.value = at.cdf, .beyond = at.survival};
   below.derivative[0] = -ratio * at.density;
-  below.derivative[1] = at.below_by_log_looks;
+  below.derivative[1] = at.cdf_by_log_looks;
   below.derivative[2] = at.density * edge_by_span_[level] / noise_power;
   below.derivative[3] = at.density * edge_by_soft_db_[level] / noise_power;
-  below.derivative[4] = at.below_by_logit_share;
+  below.derivative[4] = at.cdf_by_logit_share;
   return below;
 }
 

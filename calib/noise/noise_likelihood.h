@@ -50,17 +50,10 @@ class GreyLevels {
   }
 
  private:
-  // A speckle law at one ratio of power to its mean.
-  struct Speckle {
-    double below = 0.0;
-    double beyond = 1.0;
-    double density = 0.0;
-    double below_by_log_looks = 0.0;
-    double below_by_logit_share = 0.0;
-  };
   double RatioAt(int level, double noise_power) const { return edge_power_[level] / noise_power; }
   QuantileBound BoundAt(double ratio) const;
-  Speckle SpeckleAt(double ratio) const;
+  // The law at one ratio of power to its mean.
+  sim::KDiffuseLaw::Value SpeckleAt(double ratio) const;
 
   NoiseLaw law_;
   sim::SpeckleLaw closed_form_;  // without with_diffuse_

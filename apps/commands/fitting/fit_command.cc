@@ -232,8 +232,7 @@ report::HtmlReport MakeReport(const workflow::RecordingFit& fit, const Recording
   report::AddFitComparison(report, fit);
   if (fit.choice) report::AddModelChoice(report, *fit.choice);
   report::AddUnexplained(report, fit);
-  report::AddSaturation(report, fit.fit.report.saturation, info.sonar.axes, fit.saturated_frames,
-                        info.synthetic);
+  report::AddSaturation(report, fit.fit.report, info.sonar.axes, fit.streaked_frames, info.synthetic);
   report.Section("Fitted values");
   report::AddFittedValues(report, fit);
   report::AddStillPoses(report, fit.still);

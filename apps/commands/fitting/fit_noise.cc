@@ -205,7 +205,8 @@ std::string SummaryText(const calib::NoiseFit& fit, const std::string& recording
   text += report::NoiseAgreementText(fit.judged);
   text += "  " + report::NoiseResultText(fit) + "\n";
   text += "  " + report::NoiseDriftText(fit.all) + "\n";
-  if (!fit.report.saturation.empty()) text += "  " + calib::SaturationText(fit.report.saturation) + "\n";
+  if (fit.report.saturation && !fit.report.saturation->empty())
+    text += "  " + calib::SaturationText(*fit.report.saturation) + "\n";
   if (ShareLeftOut(fit) > 0.0)
     text += fmt::format("  {:.1f} % of the cells left out\n", 100.0 * ShareLeftOut(fit));
   return text + fmt::format("report: {}\n", (out / "report.html").string());
@@ -227,7 +228,7 @@ report::HtmlReport MakeReport(const calib::NoiseFit& fit, const RecordingInfo& i
                    workflow::RecordingName(info) + " is simulated, not recorded by a sonar.");
   }
   report::AddNoiseSections(report, fit, info.synthetic);
-  report::AddSaturation(report, fit.report.saturation, info.sonar.axes);
+  report::AddSaturation(report, fit.report, info.sonar.axes);
   report::EndReport(report, provenance);
   return report;
 }

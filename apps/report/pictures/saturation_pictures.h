@@ -3,16 +3,14 @@
 #pragma once
 
 #include <map>
-#include <vector>
 
 #include "apps/report/html/html_report.h"
-#include "calib/models/frame_saturation.h"
+#include "calib/fit_report.h"
 
 namespace sonarcal::report {
 
-// Adds nothing if there is no trace. `images`: recorded frames to show, by index.
-void AddSaturation(HtmlReport& report, const std::vector<calib::FrameSaturation>& saturation,
-                   const PolarAxes& axes, const std::map<int, PolarImage>& images = {},
-                   bool is_synthetic = false);
+// Adds nothing if no trace was found. `streaked`: recorded frames to show, by index.
+void AddSaturation(HtmlReport& report, const calib::FitReport& fit, const PolarAxes& axes,
+                   const std::map<int, PolarImage>& streaked = {}, bool is_synthetic = false);
 
 }  // namespace sonarcal::report

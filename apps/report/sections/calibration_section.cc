@@ -58,7 +58,7 @@ void AddCalibration(HtmlReport& report, const workflow::Calibration& calibration
   AddFitComparison(report, calibration.evaluation);
   AddUnexplained(report, calibration.evaluation);
   const workflow::RecordingFit& evaluation = calibration.evaluation;
-  AddSaturation(report, evaluation.fit.report.saturation, evaluation.axes, evaluation.saturated_frames,
+  AddSaturation(report, evaluation.fit.report, evaluation.axes, evaluation.streaked_frames,
                 evaluation.after.real_is_synthetic);
   report.Section("Fitted values");
   report.Paragraph("These values come from the last fit, to all frames used.");
