@@ -120,28 +120,48 @@ inline double MeanDisplayedGrey(const DisplayParameters<double>& display, double
   return MeanDisplayedGrey(GreyEdges(display, steps), looks, power, law);
 }
 
-// Steps of the midpoint rule for the mean of values that are not rounded.
-inline constexpr int kMeanSteps = 1024;
+// Mean of the displayed value, clipped to 0..1 and not rounded: black, and a midpoint rule over the values
+// above it. The laws other than kLog are steep at black, so the steps are short there:
+// value = black + (1 - black) t^3.
+class MeanRule {
+ public:
+  static constexpr int kSteps = 1024;  // error of the mean below 1e-5, for up to 9 looks
 
-// Mean of the displayed value, clipped to 0..1 and not rounded. Error below 1e-5.
-inline double MeanDisplayed(const DisplayParameters<double>& display, double looks, double power,
-                            SpeckleLaw law = SpeckleLaw::kGamma) {
-  return MeanDisplayedGrey(display, looks, power, kMeanSteps, law);
-}
+  explicit MeanRule(const DisplayParameters<double>& display, int steps = kSteps)
+      : black_(std::clamp(DisplayValue(display, 0.0), 0.0, 1.0)) {
+    const bool is_log = display.law == DisplayLaw::kLog;
+    for (int k = 0; k < steps; ++k) {
+      const double t = (k + 0.5) / steps;
+      power_.push_back(PowerFromDisplay(display, black_ + (1.0 - black_) * (is_log ? t : t * t * t)));
+      weight_.push_back((1.0 - black_) * (is_log ? 1.0 : 3.0 * t * t) / steps);
+    }
+  }
 
-// Steps of the midpoint rule that leave an error below 2e-6. kLog: (span / steps)^2 / 24 times the largest
-// slope of the survival over level, at most 0.092 sqrt(looks) per dB, over the span. Other laws may be
-// steeper at the lower end: kMeanSteps.
-inline int MeanStepsFor(const DisplayParameters<double>& display, double looks) {
-  constexpr double kError = 2e-6;
-  if (display.law != DisplayLaw::kLog) return kMeanSteps;
-  const double span_db = display.db_max - display.db_min;
-  const double step_db = std::sqrt(24.0 * kError * span_db / (0.092 * std::sqrt(std::max(looks, 1.0))));
-  return std::clamp(static_cast<int>(std::ceil(span_db / step_db)), 32, kMeanSteps);
-}
+  // Steps that leave an error below 2e-6. kLog: (span / steps)^2 / 24 times the largest slope of the
+  // survival over level, at most 0.092 sqrt(looks) per dB, over the span. Other laws may be steeper: kSteps.
+  static int StepsFor(const DisplayParameters<double>& display, double looks) {
+    constexpr double kError = 2e-6;
+    if (display.law != DisplayLaw::kLog) return kSteps;
+    const double span_db = display.db_max - display.db_min;
+    const double step_db = std::sqrt(24.0 * kError * span_db / (0.092 * std::sqrt(std::max(looks, 1.0))));
+    return std::clamp(static_cast<int>(std::ceil(span_db / step_db)), 32, kSteps);
+  }
 
-// MeanDisplayed for many pixels: tabulated by level, every 0.1 dB, and interpolated. Differs from it by less
-// than 2e-5.
+  double operator()(double looks, double power, SpeckleLaw law = SpeckleLaw::kGamma) const {
+    double mean = black_;
+    for (std::size_t k = 0; k < power_.size(); ++k)
+      mean += weight_[k] * (1.0 - SpeckleCdf(looks, power_[k] / power, law));
+    return mean;
+  }
+
+ private:
+  double black_;                // value of silence
+  std::vector<double> power_;   // at the midpoint of each step
+  std::vector<double> weight_;  // change of the value over each step
+};
+
+// MeanRule for many pixels: tabulated by level, every 0.1 dB, and interpolated. Differs from it by less than
+// 2e-5.
 class MeanDisplayTable {
  public:
   MeanDisplayTable(const DisplayParameters<double>& display, double looks,
@@ -153,10 +173,8 @@ class MeanDisplayTable {
         display.law == DisplayLaw::kPower ? 80.0 / display.exponent : display.db_max - display.db_min + 40.0;
     low_db_ = display.db_max - span_db;
     const int count = static_cast<int>(std::ceil((span_db + 40.0) / kStepDb)) + 1;
-    const std::vector<double> edges = GreyEdges(display, MeanStepsFor(display, looks));
-    for (int i = 0; i < count; ++i) {
-      mean_.push_back(MeanDisplayedGrey(edges, looks, PowerFromDb(low_db_ + i * kStepDb), law));
-    }
+    const MeanRule rule(display, MeanRule::StepsFor(display, looks));
+    for (int i = 0; i < count; ++i) mean_.push_back(rule(looks, PowerFromDb(low_db_ + i * kStepDb), law));
   }
 
   double operator()(double power) const {

@@ -79,6 +79,52 @@ TEST(SpeckleTest, KLawIsOneLookOfAGammaDistributedMean) {
   }
 }
 
+// Where the Bessel function overflows: 1 - x E[1 / mean] holds, and E[1 / mean] is shape / (shape - 1).
+// Where it underflows, nothing is left; just before, the closed form of shape 1/2 holds.
+TEST(SpeckleTest, KLawHoldsWhereItsBesselFunctionIsOutOfRange) {
+  constexpr double kShape = 49.0;
+  constexpr double kLooks = kShape / (kShape + 2.0);
+  for (const double x : {1e-12, 1e-13}) {
+    EXPECT_NEAR((1.0 - SpeckleSurvival(kLooks, x, SpeckleLaw::kK)) / x, kShape / (kShape - 1.0), 2e-3);
+    EXPECT_NEAR(SpeckleDensity(kLooks, x, SpeckleLaw::kK), kShape / (kShape - 1.0), 1e-9);
+  }
+  const auto ratio_at = [](double argument) { return argument * argument / 2.0; };
+  EXPECT_NEAR(std::log(SpeckleSurvival(0.2, ratio_at(690.0), SpeckleLaw::kK)), -690.0, 1e-9);
+  EXPECT_NEAR(std::log(SpeckleDensity(0.2, ratio_at(690.0), SpeckleLaw::kK)), -690.0 - std::log(690.0), 1e-9);
+  for (const double argument : {760.0, 1300.0}) {
+    EXPECT_EQ(SpeckleSurvival(0.2, ratio_at(argument), SpeckleLaw::kK), 0.0);
+    EXPECT_EQ(SpeckleDensity(0.2, ratio_at(argument), SpeckleLaw::kK), 0.0);
+  }
+}
+
+// By numbers: the sum of two exponential variables, over the quantiles of the second.
+TEST(SpeckleTest, WeightedLooksHaveTheirLawBetweenOneAndTwo) {
+  for (const double looks : {1.0 + 1e-10, 1.0 + 1e-6, 1.01, 1.5, 1.99, 2.0 - 1e-9}) {
+    const double w = LooksAsWeights(looks).second;
+    for (const double x : {0.01, 0.6, 4.0}) {
+      double cdf = 0.0;
+      double survival = 0.0;
+      double density = 0.0;
+      constexpr int kSteps = 20000;
+      for (int i = 0; i < kSteps; ++i) {  // midpoints of the second variable, from 0 to x
+        const double width = x / kSteps;
+        const double second = (i + 0.5) * width;
+        // Mean density of the second variable within the step: it is narrow for small w.
+        const double rate = (1.0 + w) / std::max(w, 1e-12);
+        const double share = std::exp(-rate * (second - 0.5 * width)) * -std::expm1(-rate * width);
+        cdf += share * -std::expm1(-(1.0 + w) * (x - second));
+        density += share * (1.0 + w) * std::exp(-(1.0 + w) * (x - second));
+        survival += share * std::exp(-(1.0 + w) * (x - second));
+      }
+      survival += std::exp(-(1.0 + w) / std::max(w, 1e-12) * x);
+      const double tolerance = 2e-4 * x + 1e-9;
+      EXPECT_NEAR(SpeckleCdf(looks, x, SpeckleLaw::kWeighted), cdf, tolerance) << looks << ' ' << x;
+      EXPECT_NEAR(SpeckleSurvival(looks, x, SpeckleLaw::kWeighted), survival, tolerance) << looks << ' ' << x;
+      EXPECT_NEAR(SpeckleDensity(looks, x, SpeckleLaw::kWeighted), density, tolerance) << looks << ' ' << x;
+    }
+  }
+}
+
 TEST(SpeckleTest, KLawHasMeanOneItsVarianceAndNoStepAtOneLook) {
   for (const double looks : {0.3, 0.7, 0.95, 0.97, 0.999}) {
     double mean = 0.0;
@@ -140,22 +186,22 @@ TEST(SpeckleTest, BothLawsHaveMeanOneAndVarianceOneOverLooks) {
 TEST(SpeckleTest, OneLookOnALogarithmHasTheKnownMeanAndSpread) {
   // A display so wide that neither clip matters: 100 dB either side.
   const DisplayParameters<double> display{.db_min = -100.0, .db_max = 100.0};
-  EXPECT_NEAR(200.0 * MeanDisplayed(display, 1.0, 1.0) - 100.0, -2.507, 2e-3);
-  EXPECT_NEAR(200.0 * MeanDisplayed(display, 3.0, 1.0) - 100.0, MeanLogSpeckleDb(3.0), 1e-3);
+  EXPECT_NEAR(200.0 * MeanRule(display)(1.0, 1.0) - 100.0, -2.507, 2e-3);
+  EXPECT_NEAR(200.0 * MeanRule(display)(3.0, 1.0) - 100.0, MeanLogSpeckleDb(3.0), 1e-3);
   double square = 0.0;  // E[v^2] = integral of 2 v (1 - F)
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {
     const double v = (i + 0.5) / kSteps;
     square += 2.0 * v * (1.0 - DisplayedCdf(display, 1.0, 1.0, v)) / kSteps;
   }
-  const double mean = MeanDisplayed(display, 1.0, 1.0);
+  const double mean = MeanRule(display)(1.0, 1.0);
   EXPECT_NEAR(200.0 * std::sqrt(square - mean * mean), 5.570, 2e-3);
 }
 
 TEST(SpeckleTest, MeanOfASquareLawIsTheMeanPower) {
   const DisplayParameters<double> display{
       .db_min = 0.0, .db_max = 30.0, .law = DisplayLaw::kPower, .exponent = 2.0};
-  for (const double looks : {1.0, 2.5}) EXPECT_NEAR(MeanDisplayed(display, looks, 20.0), 0.02, 1e-5);
+  for (const double looks : {1.0, 2.5}) EXPECT_NEAR(MeanRule(display)(looks, 20.0), 0.02, 1e-5);
 }
 
 TEST(SpeckleTest, DrawsAgreeWithTheLawThroughEachDisplay) {
@@ -178,7 +224,7 @@ TEST(SpeckleTest, DrawsAgreeWithTheLawThroughEachDisplay) {
       }
       const double mean = sum / kDraws;
       const double sigma = std::sqrt((square / kDraws - mean * mean) / kDraws);
-      EXPECT_NEAR(MeanDisplayed(display, 1.0, power), mean, 5.0 * sigma + 1e-5);
+      EXPECT_NEAR(MeanRule(display)(1.0, power), mean, 5.0 * sigma + 1e-5);
       EXPECT_NEAR(MeanDisplayedGrey(display, 1.0, power, 15), rounded / kDraws, 6.0 * sigma + 1e-4);
       const double zero_share = DisplayedCdf(display, 1.0, power, 0.0);
       EXPECT_NEAR(zero_share, static_cast<double>(zeros) / kDraws,
@@ -205,12 +251,78 @@ TEST(SpeckleTest, WeightedLooksAreThoseThatAreDrawn) {
 TEST(SpeckleTest, TableFollowsTheMeanAtEveryLevel) {
   for (const DisplayParameters<double>& display : kDisplays) {
     const MeanDisplayTable table(display, 1.4);
-    for (double level_db = -90.0; level_db < 100.0; level_db += 3.37) {
-      EXPECT_NEAR(table(PowerFromDb(level_db)), MeanDisplayed(display, 1.4, PowerFromDb(level_db)), 5e-5)
-          << level_db;
-    }
-    EXPECT_GE(table(0.0), 0.0);
+    const MeanRule mean(display);
+    for (double level_db = -190.0; level_db < 190.0; level_db += 3.37)
+      EXPECT_NEAR(table(PowerFromDb(level_db)), mean(1.4, PowerFromDb(level_db)), 2e-5) << level_db;
+    EXPECT_NEAR(table(0.0), std::clamp(DisplayValue(display, 0.0), 0.0, 1.0), 1e-6);
   }
+}
+
+// By numbers: over the logarithm of x.
+TEST(SpeckleTest, MeanOfEachDisplayIsTheIntegralOverTheLaw) {
+  std::vector<DisplayParameters<double>> displays = kDisplays;
+  displays.push_back({.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kSoftLog, .soft_db = 7.3});
+  displays.push_back({.db_min = 0.0, .db_max = 60.0, .law = DisplayLaw::kSoftAmplitude, .soft_db = 7.3});
+  for (const DisplayParameters<double>& display : displays) {
+    const MeanRule rule(display);
+    for (const double looks : {1.0, 2.5, 9.0}) {
+      for (const double level_db : {-120.0, -70.0, -40.0, -20.0, -5.0, 10.0, 27.0, 58.0, 75.0}) {
+        double mean = 0.0;
+        constexpr double kStep = 1e-3;
+        for (double log_x = -30.0; log_x < 5.0; log_x += kStep) {
+          const double x = std::exp(log_x);
+          const double value = DisplayValue(display, PowerFromDb(level_db) * x);
+          mean += kStep * x * SpeckleDensity(looks, x) * std::clamp(value, 0.0, 1.0);
+        }
+        EXPECT_NEAR(rule(looks, PowerFromDb(level_db)), mean, 1e-5) << level_db;
+      }
+    }
+  }
+}
+
+// Without clipping, E[x^e] = Gamma(L + e) / (Gamma(L) L^e), for e = exponent / 2; also below the levels of
+// the table.
+TEST(SpeckleTest, TableOfAPowerLawHoldsAtAllDarkLevels) {
+  constexpr double kLooks = 1.4;
+  for (const double exponent : {0.5, 1.0, 2.0}) {
+    const DisplayParameters<double> display{
+        .db_min = 0.0, .db_max = 30.0, .law = DisplayLaw::kPower, .exponent = exponent};
+    const double e = exponent / 2.0;
+    const double of_looks = std::exp(std::lgamma(kLooks + e) - std::lgamma(kLooks)) / std::pow(kLooks, e);
+    const MeanDisplayTable table(display, kLooks);
+    for (const double shown_below_db : {50.0, 70.0, 90.0, 130.0}) {
+      const double value = of_looks * std::pow(10.0, -0.05 * shown_below_db);
+      EXPECT_NEAR(table(PowerFromDb(30.0 - shown_below_db / exponent)), value, 1e-3 * value + 1e-9)
+          << exponent << ' ' << shown_below_db;
+    }
+  }
+}
+
+// The error is what the header promises, and a quarter of the steps would not do.
+TEST(SpeckleTest, StepsForTheMeanKeepTheirErrorAndAreNotMany) {
+  const auto largest_error = [](const DisplayParameters<double>& display, double looks, int steps) {
+    const MeanRule few(display, steps);
+    const MeanRule many(display, 8192);
+    double largest = 0.0;
+    for (double level_db = display.db_min - 30.0; level_db < display.db_max + 30.0; level_db += 0.7) {
+      const double power = PowerFromDb(level_db);
+      largest = std::max(largest, std::abs(few(looks, power) - many(looks, power)));
+    }
+    return largest;
+  };
+  for (const double span_db : {30.0, 60.0, 100.0}) {
+    const DisplayParameters<double> display{.db_min = -20.0, .db_max = span_db - 20.0};
+    for (const double looks : {0.5, 1.0, 3.0, 9.0}) {
+      const int steps = MeanRule::StepsFor(display, looks);
+      EXPECT_LT(largest_error(display, looks, steps), 2e-6) << span_db << ' ' << looks;
+      if (looks < 1.0) continue;
+      EXPECT_GT(largest_error(display, looks, steps / 4), 2e-6) << span_db << ' ' << looks;
+    }
+  }
+  EXPECT_EQ(MeanRule::StepsFor({.db_min = 0.0, .db_max = 0.1}, 1.0), 32);
+  EXPECT_EQ(MeanRule::StepsFor({.db_min = 0.0, .db_max = 5000.0}, 1.0), MeanRule::kSteps);
+  for (std::size_t i = 1; i < kDisplays.size(); ++i)
+    EXPECT_EQ(MeanRule::StepsFor(kDisplays[i], 1.0), MeanRule::kSteps);
 }
 
 }  // namespace
