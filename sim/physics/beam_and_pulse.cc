@@ -107,27 +107,41 @@ std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const Parame
   if (by_sines) {
     for (const double azimuth_rad : column_azimuth_rad) column_sine.push_back(std::sin(azimuth_rad));
   }
-  std::vector<ResponseWindow> windows(sonar.axes.beam_count());
-  tbb::parallel_for(0, sonar.axes.beam_count(), [&](int beam) {
-    const double centre = sonar.axes.beam_azimuth_rad[beam];
-    const auto [lowest, highest] = AzimuthReachRad(response, centre, cut_db);
+  const int beams = sonar.axes.beam_count();
+  std::vector<ResponseWindow> windows(beams);
+  std::vector<int> end(beams);  // column behind the last of each window
+  tbb::parallel_for(0, beams, [&](int beam) {
+    const auto [lowest, highest] = AzimuthReachRad(response, sonar.axes.beam_azimuth_rad[beam], cut_db);
     const auto first = std::lower_bound(column_azimuth_rad.begin(), column_azimuth_rad.end(), lowest);
+    const auto last = std::upper_bound(first, column_azimuth_rad.end(), highest);
     windows[beam].first = static_cast<int>(first - column_azimuth_rad.begin());
+    end[beam] = static_cast<int>(last - column_azimuth_rad.begin());
+  });
+  std::size_t weights = 0;
+  for (int beam = 0; beam < beams; ++beam) weights += end[beam] - windows[beam].first;
+  if (weights > kMaxBeamWeights) {
+    throw DataError(
+        "{} beams receive from {} of {} columns of rays each, expected at most {} pairs of beam and "
+        "column: give fewer columns with --rays, or a narrower beam",
+        beams, weights / beams, column_azimuth_rad.size(), kMaxBeamWeights);
+  }
+  tbb::parallel_for(0, beams, [&](int beam) {
+    const double centre = sonar.axes.beam_azimuth_rad[beam];
     const double factor = of == ResponseOf::kField ? std::sqrt(sensitivity[beam]) : sensitivity[beam];
+    windows[beam].weight.reserve(end[beam] - windows[beam].first);
     if (by_sines) {
       const double sine = std::sin(centre);
-      const auto last = std::upper_bound(first, column_azimuth_rad.end(), highest);
-      for (int col = windows[beam].first; col < static_cast<int>(last - column_azimuth_rad.begin()); ++col) {
+      for (int col = windows[beam].first; col < end[beam]; ++col) {
         const double field = response.ApertureFieldAt(column_sine[col] - sine);
         windows[beam].weight.push_back(factor * (of == ResponseOf::kField ? field : field * field));
       }
       return;
     }
     const double width_rad = shape.width_rad > 0.0 ? shape.width_rad : shape.beam_spacing_rad;
-    for (auto it = first; it != column_azimuth_rad.end() && *it <= highest; ++it) {
+    for (int col = windows[beam].first; col < end[beam]; ++col) {
       windows[beam].weight.push_back(
           factor * Respond(
-                       of, *it, width_rad,
+                       of, column_azimuth_rad[col], width_rad,
                        [&](double azimuth_rad) { return response.Power(azimuth_rad, centre); },
                        [&](double azimuth_rad) { return response.Field(azimuth_rad, centre); }));
     }

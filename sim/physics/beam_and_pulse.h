@@ -5,6 +5,7 @@
 // -60 dB, which loses 1.4e-6 of the energy at taper 1 and 3.2e-4 (0.0014 dB) at taper 0; none for a table.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/types/parameters.h"
@@ -48,7 +49,11 @@ struct ResponseWindow {
 // away.
 enum class ResponseOf { kPower, kField, kPowerSlope };
 
-// Response of each beam, its sensitivity included, to echoes in columns at these azimuths.
+// Max number of weights of all beams together: 0.8 GB. 1000 beams with 4 columns each have at most 4 million.
+inline constexpr std::size_t kMaxBeamWeights = 100'000'000;
+
+// Response of each beam, its sensitivity included, to echoes in columns at these ascending azimuths. Throws
+// DataError if that takes more than kMaxBeamWeights.
 std::vector<ResponseWindow> AzimuthWindows(const SonarModel& sonar, const ParameterSet& parameters,
                                            const std::vector<double>& column_azimuth_rad, ResponseOf of);
 

@@ -401,7 +401,7 @@ TEST(SimulateCommand, FewerColumnsThanBeamsAreRefused) {
   }
 }
 
-TEST(SimulateCommand, TooManyBeamsForTheDefaultRaysAreRefused) {
+TEST(SimulateCommand, TooManyBeamsAreRefused) {
   const TinyWorld world;
   constexpr int kBeams = 100'000;
   nlohmann::json sonar = testing::ReadJsonFile(world.sonar());
@@ -419,6 +419,13 @@ TEST(SimulateCommand, TooManyBeamsForTheDefaultRaysAreRefused) {
     EXPECT_EQ(outcome.status, 1) << model;
     EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr(fmt::format("100000 beams need {} columns of rays", columns)));
+  }
+  for (const char* model : {"acoustic", "coherent"}) {
+    const Outcome outcome =
+        RunSonarcal(WithRays(world, "100000x1") + " --model " + model + " --out " + Quoted(world / "sim"));
+    EXPECT_EQ(outcome.status, 1) << model;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("expected at most 100000000 pairs of beam and column")) << model;
   }
 }
 

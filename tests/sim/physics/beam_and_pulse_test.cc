@@ -1,5 +1,6 @@
 #include "sim/physics/beam_and_pulse.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -148,6 +149,22 @@ TEST(BeamAndPulseTest, PulseWindowIsTheGaussianAroundTheMiddleOfTheBin) {
       EXPECT_LT(last_m, 3.0 * length_m + 0.2);
     }
   }
+}
+
+TEST(BeamAndPulseTest, BeamsThatReceiveFromTooManyColumnsAreRefused) {
+  SonarModel sonar = Sonar();
+  const auto row = [](int count) {  // within 1 degree
+    std::vector<double> azimuth_rad(count);
+    for (int i = 0; i < count; ++i) azimuth_rad[i] = RadFromDeg(1.0 * i / count - 0.5);
+    return azimuth_rad;
+  };
+  sonar.axes.beam_azimuth_rad = row(10'001);
+  const ParameterSet parameters = Parameters(AzimuthPattern::kGaussian);
+  EXPECT_THAT([&] { AzimuthWindows(sonar, parameters, row(10'000), ResponseOf::kPower); },
+              ::testing::ThrowsMessage<DataError>(
+                  ::testing::HasSubstr("10001 beams receive from 10000 of 10000 columns of rays each")));
+  sonar.axes.beam_azimuth_rad.resize(100);
+  EXPECT_EQ(AzimuthWindows(sonar, parameters, row(10'000), ResponseOf::kPower).size(), 100U);
 }
 
 TEST(BeamAndPulseTest, AzimuthWindowsAreTheGaussianOfEachBeam) {
