@@ -1,8 +1,10 @@
 // `reproduce --quick` from end to end, without a real recording: its tank is SYNTHETIC.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 #include <sstream>
 
 #include "data_io/open_recording.h"
@@ -48,12 +50,32 @@ void ExpectTheTourPrintsTheReportsFigures(const std::filesystem::path& folder, c
     EXPECT_THAT(TourCommand(words), HasSubstr("--object mockup"));
 }
 
+// A disk that is full at the first file, or at the report itself: one sentence, the earlier report stays.
+void ExpectAFullDiskLeavesTheReport(const std::filesystem::path& folder, const std::string& arguments) {
+  const std::string report = testing::ReadFile(folder / "report/report.html");
+  const auto entries = [&] {
+    std::set<std::filesystem::path> found;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+      found.insert(entry.path());
+    return found;
+  };
+  const std::set<std::filesystem::path> before = entries();
+  for (const std::size_t blocks : {std::size_t{1}, (report.size() - 1) / 512}) {  // of 512 bytes
+    const testing::Outcome outcome =
+        testing::RunSonarcal(arguments + " --force", fmt::format("trap '' XFSZ; ulimit -f {};", blocks));
+    EXPECT_EQ(outcome.status, 1) << blocks;
+    EXPECT_TRUE(testing::IsOneSentence(outcome.err)) << outcome.err;
+    EXPECT_TRUE(testing::ReadFile(folder / "report/report.html") == report) << blocks;
+    EXPECT_EQ(entries(), before) << blocks;
+  }
+}
+
 TEST(ReproduceCommand, FitsBothModelsToACoherentRecordingAndSaysItIsSynthetic) {
   const testing::TempDir dir;
   std::filesystem::create_directories(dir / "no_recordings");
-  const testing::Outcome outcome =
-      testing::RunSonarcal("reproduce --quick -q --recordings " + Quoted(dir / "no_recordings") + " --out " +
-                           Quoted(dir / "report"));
+  const std::string arguments = "reproduce --quick -q --recordings " + Quoted(dir / "no_recordings") +
+                                " --out " + Quoted(dir / "report");
+  const testing::Outcome outcome = testing::RunSonarcal(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   for (const char* part : {"SYNTHETIC", "paper model, fitted", "acoustic model, fitted, a speckled sample"})
     EXPECT_THAT(outcome.out, HasSubstr(part));
@@ -95,6 +117,7 @@ TEST(ReproduceCommand, FitsBothModelsToACoherentRecordingAndSaysItIsSynthetic) {
     EXPECT_THAT(html, Not(HasSubstr("paper model, fitted: expected image"))) << "doubtful figures come later";
   }
 
+  ExpectAFullDiskLeavesTheReport(dir.path(), arguments);
   ExpectTheTourPrintsTheReportsFigures(dir.path(), rows);
 }
 
