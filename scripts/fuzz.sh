@@ -1,19 +1,32 @@
 #!/usr/bin/env bash
 # Looks for inputs that break a parser, with clang and libFuzzer, under AddressSanitizer and UBSan.
 #
-#   scripts/fuzz.sh [SECONDS] [TARGET ...]     SECONDS a target, 60 if not given; all targets
+#   scripts/fuzz.sh [SECONDS] [TARGET ...]       SECONDS a target, 60 if not given; all targets
+#   scripts/fuzz.sh --runs N [TARGET ...]        until each target has run N inputs, those of earlier calls included
+#   scripts/fuzz.sh --table [TARGET ...]         only prints the table
 #
-# Inputs it makes up stay in build-fuzz/found/<target>, to go on from; one that breaks something is kept in
-# build-fuzz/broken/<target>-*, and its path is printed.
+# Ends with a table on standard output: how many inputs each target has run, and how much of the parser they reach.
+# Inputs it makes up stay in build-fuzz/found/TARGET, to go on from; one that breaks something is kept in
+# build-fuzz/broken/TARGET-*, and its path is printed.
 
 # shellcheck source=scripts/common.sh
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 seconds=60
+runs=
 case "${1:-}" in
   -h | --help)
-    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
+    ;;
+  --table)
+    seconds=0
+    shift
+    ;;
+  --runs)
+    runs="${2:-}"
+    [[ "$runs" =~ ^[1-9][0-9]*$ ]] || fail "--runs '$runs', expected a number of inputs"
+    shift 2
     ;;
   [0-9]*)
     seconds=$1
@@ -29,16 +42,63 @@ targets=("$@")
 if ((${#targets[@]} == 0)); then
   for folder in "$root"/tests/fuzz/corpus/*/; do targets+=("$(basename "$folder")"); done
 fi
-mkdir -p "$root/build-fuzz/broken"
+mkdir -p "$root/build-fuzz/broken" "$root/build-fuzz/runs"
+
+# libfuzzer TARGET OPTION ...: goes on from all inputs of the target that are known
+libfuzzer() {
+  local target=$1
+  shift
+  "$root/build-fuzz/tests/fuzz/fuzz_$target" "$root/build-fuzz/found/$target" "$root/tests/fuzz/corpus/$target" \
+    -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 -max_len=65536 \
+    -artifact_prefix="$root/build-fuzz/broken/$target-" "$@"
+}
+
+# runs_of TARGET: inputs that all calls together have run
+runs_of() {
+  { cat "$root/build-fuzz/runs/$1" 2>/dev/null || true; } | awk '{sum += $1} END {print sum + 0}'
+}
+
+# fuzz TARGET: for the given time or number of runs
+fuzz() {
+  local target=$1 limit=(-max_total_time="$seconds") log="$root/build-fuzz/runs/$1.log" status=0 left
+  if [[ -n "$runs" ]]; then
+    left=$((runs - $(runs_of "$target")))
+    ((left > 0)) || return 0
+    limit=(-runs="$left")
+    say "$target, $left inputs"
+  else
+    say "$target, $seconds s"
+  fi
+  libfuzzer "$target" "${limit[@]}" -print_final_stats=1 2>&1 | tee "$log" >&2 || status=1
+  awk '/^stat::number_of_executed_units/ {print $2}' "$log" >>"$root/build-fuzz/runs/$target"
+  return "$status"
+}
+
+# edges_of TARGET: edges reached and all edges of the functions of this project that the inputs enter
+edges_of() {
+  libfuzzer "$1" -runs=0 -print_coverage=1 2>&1 | awk -v root="$root/" '
+    $1 == "COVERED_FUNC:" && index($0, root) {
+      split($0, edges, "edges: ")
+      split(edges[2], of, "[ /]")
+      reached += of[1]
+      all += of[2]
+    }
+    END {print reached + 0, all + 0}'
+}
+
 bad=()
 for target in "${targets[@]}"; do
-  program="$root/build-fuzz/tests/fuzz/fuzz_$target"
-  [[ -x "$program" ]] || fail "there is no target '$target', expected a folder of tests/fuzz/corpus"
+  [[ -x "$root/build-fuzz/tests/fuzz/fuzz_$target" ]] ||
+    fail "there is no target '$target', expected a folder of tests/fuzz/corpus"
   mkdir -p "$root/build-fuzz/found/$target"
-  say "$target, $seconds s"
-  "$program" "$root/build-fuzz/found/$target" "$root/tests/fuzz/corpus/$target" -max_total_time="$seconds" \
-    -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 -max_len=65536 -print_final_stats=1 \
-    -artifact_prefix="$root/build-fuzz/broken/$target-" >&2 || bad+=("$target")
+  if [[ -n "$runs" || "$seconds" != 0 ]]; then fuzz "$target" || bad+=("$target"); fi
 done
 ((${#bad[@]} == 0)) || fail "broken: ${bad[*]} (inputs in build-fuzz/broken)"
-say "${#targets[@]} targets, $seconds s each: nothing broke."
+if [[ "$seconds" != 0 ]]; then say "${#targets[@]} targets: nothing broke."; fi
+echo "| parser | inputs run | inputs kept | edges reached of the functions entered |"
+echo "|---|---|---|---|"
+for target in "${targets[@]}"; do
+  read -r reached all <<<"$(edges_of "$target")"
+  kept="$(find "$root/build-fuzz/found/$target" "$root/tests/fuzz/corpus/$target" -type f | wc -l)"
+  echo "| $target | $(runs_of "$target") | $kept | $reached of $all |"
+done

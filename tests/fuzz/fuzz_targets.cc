@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/types/error.h"
+#include "data_io/bag_trajectory.h"
 #include "data_io/files/pickle.h"
 #include "data_io/images/image_io.h"
 #include "data_io/mcap/mcap_file.h"
@@ -20,6 +21,7 @@
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/cad_io.h"
 #include "data_io/scenes/scene_io.h"
+#include "data_io/sonars/frame_tree.h"
 #include "data_io/trajectory_io.h"
 #include "tests/fuzz/fuzz_target.h"
 
@@ -180,6 +182,32 @@ void Trajectory(std::string_view bytes) {
   data_io::ReadTrajectory(file, data_io::GuessTrajectoryFormat(file));
 }
 
+// Poses in a bag, then its transforms.
+void BagTrajectory(std::string_view bytes) {
+  const fs::path bag = TheFolder().Write("trajectory.bag", bytes);
+  try {
+    data_io::ReadBagTrajectory(bag, {.topic = "/odom"});
+  } catch (const DataError&) {
+    data_io::ReadBagTrajectory(bag, {.topic = "/tf", .world_frame = "odom", .body_frame = "base_link"});
+  }
+}
+
+// Table of the frames of the DFKI data set, beside a picture of one.
+void DfkiFrames(std::string_view bytes) {
+  static const bool written = [] {
+    fs::create_directories(TheFolder().path() / "aris_raw");
+    TheFolder().Write("aris_raw/0622.pgm", "P5\n64 6\n255\n" + std::string(std::size_t{64} * 6, 'x'));
+    return true;
+  }();
+  static_cast<void>(written);
+  TheFolder().Write("aris_frame_meta.csv", bytes);
+  ReadSomeFrames(*data_io::OpenRecording(TheFolder().path()));
+}
+
+void FrameTreeFile(std::string_view bytes) {
+  data_io::FrameTree(TheFolder().Write("transforms.yaml", bytes)).Find("setup/ar3", "setup/sonar");
+}
+
 void MarkerMapFile(std::string_view bytes) {
   data_io::ReadMarkerMap(TheFolder().Write("map.json", bytes));
 }
@@ -214,6 +242,9 @@ constexpr NamedParser kParsers[] = {
     {"parameters", Parameters},
     {"poses", Poses},
     {"trajectory", Trajectory},
+    {"bag_trajectory", BagTrajectory},
+    {"dfki_frames", DfkiFrames},
+    {"frame_tree", FrameTreeFile},
     {"mount", Mount},
     {"marker_map", MarkerMapFile},
     {"camera", CameraFile},

@@ -179,6 +179,24 @@ def oculus_stamped_ping(data):
     return message.blob(data).done()
 
 
+def pose_fields(message):
+    """Position and quaternion, x, y, z, w."""
+    return message.put("d", 1, 2, 0.5, 0, 0, 0, 1)
+
+
+def odometry(cdr):
+    return pose_fields(Message(cdr).stamped().text("base_link")).put("d", *[0] * (36 + 6 + 36)).done()
+
+
+def transforms(cdr):
+    message = Message(cdr).put("I", 2)
+    for parent, child in (("odom", "mast"), ("mast", "base_link")):
+        if not cdr:
+            message.put("I", 1)  # seq
+        pose_fields(message.put("I", 50, 0).text(parent).text(child))
+    return message.done()
+
+
 def sonar_info():
     message = Message(True).stamped().text("m3").text("a calibration").put("I", 7, 8)
     message.put("I", 1).put("f", 2e-5).put("I", 1).put("f", 5e4).blob(b"\1")
@@ -479,6 +497,28 @@ distortion_coefficients: !!opencv-matrix
     put("trajectory", "tum.txt", "# time tx ty tz qx qy qz qw\n0 0 0 1 0 0 0 1\n0.5 1 0 1 0 0 0 1\n")
     put("trajectory", "euroc.csv", "#timestamp,x,y,z,qw,qx,qy,qz\n1403636579758555392,4.6,-1.7,0.5,1,0,0,0\n")
     put("trajectory", "named.csv", "time_s,x_m,y_m,z_m,yaw_deg,pitch_deg,roll_deg\n0,0,0,1,10,-5,0\n1,0,1,1,11,-5,0\n")
+    put("bag_trajectory", "odometry.mcap", mcap("/odom", "nav_msgs/msg/Odometry", odometry(cdr=True), with_index=False))
+    put("bag_trajectory", "pose.mcap", mcap("/odom", "geometry_msgs/msg/PoseStamped",
+                                            pose_fields(Message(True).stamped()).done(), in_chunk=False))
+    put("bag_trajectory", "transforms.mcap", mcap("/tf", "tf2_msgs/msg/TFMessage", transforms(cdr=True), with_index=False))
+    put("bag_trajectory", "transforms.bag", ros1_bag("/tf", "tf2_msgs/TFMessage", transforms(cdr=False)))
+    columns = ("FrameIndex,FrameTime,WindowStart,WindowLength,ReceiverGain,WaterTemp,PingMode,FrequencyHiLow,PulseWidth,"
+               "SamplePeriod,FrameRate,SoundSpeed,SamplesPerBeam,SampleStartDelay,LargeLens,TheSystemType,Salinity\n")
+    put("dfki_frames", "aris_frame_meta.csv",
+        columns + "622,1695222665000000,0.7,0.02664,12,15.5,6,1,20,6,15.0,1480,6,1000,0,1,0\n")
+    links = "".join(f"""  - frame_id: "setup/{child}"  # a comment
+    parent_frame_id: "setup/{parent}"
+    translation:
+      x: 0.0
+      y: 0.174
+      z: -0.338
+    rotation:
+      x: 0.0
+      y: 1.0
+      z: 0.0
+      w: 0.0
+""" for parent, child in (("ar3", "aris"), ("aris", "sonar")))
+    put("frame_tree", "transforms.yaml", "setup:\n" + links)
 
 
 if __name__ == "__main__":
