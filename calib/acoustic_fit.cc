@@ -174,6 +174,7 @@ class AcousticFitter {
         : simulator_(fitter.simulator_.shared_caster(), fitter.simulator_.sonar(),
                      Options(fitter.model_->simulator().options())),
           model_(AcousticFrameModel::OneFrameAtATime(*fitter.model_, simulator_, values, geometric)) {}
+    ~OtherRays() = default;
     OtherRays(const OtherRays&) = delete;
     OtherRays& operator=(const OtherRays&) = delete;
 

@@ -59,7 +59,8 @@ ParameterValues SearchLevel(const FrameModel& model, const std::vector<CatalogEn
   std::vector<double> spans = {span_free ? start[db_max] - start[db_min] : 0.0};
   if (span_free) spans.insert(spans.end(), {1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0});
   for (const double span_db : spans) {
-    for (double offset_db = -60.0; offset_db <= 60.0; offset_db += 10.0) {
+    for (int tens = -6; tens <= 6; ++tens) {
+      const double offset_db = 10.0 * tens;
       if (amplitudes_free || offset_db == 0.0) try_level(span_db, offset_db);
     }
   }

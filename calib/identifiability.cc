@@ -193,7 +193,7 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
   }
   covariance = inverse.scale.asDiagonal() * Eigen::MatrixXd(covariance.selfadjointView<Eigen::Lower>()) *
                inverse.scale.asDiagonal();
-  const double count = static_cast<double>(equations.blocks.size());
+  const auto count = static_cast<double>(equations.blocks.size());
   covariance *= equations.variance_factor * (count - 1.0) / count;
   if (equations.prior.size() > 0) {
     const Eigen::MatrixXd of_prior = inverse.full() * equations.prior.cwiseSqrt().asDiagonal();

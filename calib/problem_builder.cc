@@ -393,7 +393,7 @@ double SharedAtEdges(double width, int block, int extent) {
 NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEntry>& catalog,
                            const FitState& state, const FitOptions& options, ResidualSummary* residuals) {
   const int beams = model.beams();
-  const auto [block_bins, block_beams, variance_factor] = BlockSize(model, options);
+  const BlockPixels block_size = BlockSize(model, options);
   const auto n = static_cast<Eigen::Index>(state.active.size());
   const Eigen::VectorXd value_slope = ValueSlopes(catalog, state);
   struct Band {
@@ -404,7 +404,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
   };
 
   NormalEquations equations;
-  equations.variance_factor = variance_factor;
+  equations.variance_factor = block_size.variance_factor;
   equations.information = Eigen::MatrixXd::Zero(n, n);
   equations.prior = Eigen::VectorXd::Zero(n);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -420,17 +420,17 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
     const Eigen::VectorXd of_columns = value_slope(columns);
     const auto evaluation = model.At(frame, state.values, of_frame.active, FrameModel::Terms::kInformation);
     SONARCAL_CHECK(evaluation != nullptr, "the model gives no value here");
-    std::vector<Band> bands((model.range_bins() + block_bins - 1) / block_bins);
-    ForBands(model.range_bins(), block_bins, [&](int band_idx, int first, int last) {
+    std::vector<Band> bands((model.range_bins() + block_size.bins - 1) / block_size.bins);
+    ForBands(model.range_bins(), block_size.bins, [&](int band_idx, int first, int last) {
       thread_local PixelTerms terms;
       thread_local BlockRows rows;
       terms.repeat_factor.clear();  // may be from another model
       SONARCAL_CHECK(evaluation->Bins(first, last, terms), "the model gives no value here");
       Band& band = bands[band_idx];
-      for (int first_beam = 0; first_beam < beams; first_beam += block_beams) {
+      for (int first_beam = 0; first_beam < beams; first_beam += block_size.beams) {
         rows.Clear();
         for (int bin = first; bin < last; ++bin) {
-          for (int beam = first_beam; beam < std::min(first_beam + block_beams, beams); ++beam) {
+          for (int beam = first_beam; beam < std::min(first_beam + block_size.beams, beams); ++beam) {
             if (!model.Counts(frame, static_cast<std::size_t>(bin) * beams + beam)) continue;
             const std::size_t i = static_cast<std::size_t>(bin - first) * beams + beam;
             const double residual = terms.residual[i];
@@ -475,7 +475,7 @@ NormalEquations Accumulate(const FrameModel& model, const std::vector<CatalogEnt
     }
   }
   if (residuals != nullptr) {
-    const double count = static_cast<double>(equations.residual_count);
+    const auto count = static_cast<double>(equations.residual_count);
     residuals->mean = sum / count;
     residuals->spread =
         std::sqrt(std::max(0.0, equations.residual_square / count - residuals->mean * residuals->mean));

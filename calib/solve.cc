@@ -149,7 +149,7 @@ SolveSummary SolveFit(const FrameModel& model, const std::vector<CatalogEntry>& 
                       std::optional<CostCorrection> correction) {
   std::vector<double> coordinates = state.Coordinates(catalog);
   FitProblem problem(model, catalog, state, coordinates, std::move(correction));
-  const SolveSummary result = BoundedSolve(problem, coordinates, limits, stop).Run();
+  SolveSummary result = BoundedSolve(problem, coordinates, limits, stop).Run();
   if (stop && stop()) throw FitStopped();
   if (result.usable) state.SetCoordinates(catalog, coordinates);
   return result;

@@ -31,7 +31,7 @@ struct BagPoseOptions {
 // At least one pose, in ascending order of time. Throws DataError if the topic is absent or has another type,
 // a message is damaged, the frames of poses change, or no chain of transforms leads from one frame to the
 // other.
-std::vector<TrajectoryPose> ReadBagTrajectory(const std::filesystem::path& bag,
+std::vector<TrajectoryPose> ReadBagTrajectory(const std::filesystem::path& path,
                                               const BagPoseOptions& options);
 
 }  // namespace sonarcal::data_io

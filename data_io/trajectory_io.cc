@@ -81,7 +81,8 @@ class LineReader {
       Fail(fmt::format("the time is '{}', expected whole nanoseconds in a euroc file; {}", Printable(field),
                        kTrajectoryColumns));
     constexpr std::int64_t kPerSecond = 1'000'000'000;
-    return static_cast<double>(value / kPerSecond) + 1e-9 * static_cast<double>(value % kPerSecond);
+    const std::int64_t seconds = value / kPerSecond;
+    return static_cast<double>(seconds) + 1e-9 * static_cast<double>(value % kPerSecond);
   }
 
   // Quaternion from four columns, in the order w, x, y, z.
@@ -227,7 +228,7 @@ std::optional<Pose> PoseAt(const std::vector<TrajectoryPose>& trajectory, double
 Pose ReadMount(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
   json.CheckFormat("sonar-mount/1");
-  const Pose body_from_sonar = ReadPose(json.At("body_from_sonar"));
+  Pose body_from_sonar = ReadPose(json.At("body_from_sonar"));
   json.Finish();
   return body_from_sonar;
 }

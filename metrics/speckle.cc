@@ -66,10 +66,8 @@ void AddBlock(const Grid<double>& power, int first_bin, int first_beam, SpeckleS
   }
   for (int lag = 1; lag <= kSpeckleBlockBeams / 2; ++lag) {
     double product = 0.0;
-    for (int bin = 0; bin < kSpeckleBlockBins; ++bin) {
-      for (int beam = 0; beam + lag < kSpeckleBlockBeams; ++beam) {
-        product += off[bin][beam] * off[bin][beam + lag];
-      }
+    for (const auto& row : off) {
+      for (int beam = 0; beam + lag < kSpeckleBlockBeams; ++beam) product += row[beam] * row[beam + lag];
     }
     sums.along_azimuth[lag - 1] += product / (kSpeckleBlockBins * (kSpeckleBlockBeams - lag)) + of_mean;
   }

@@ -83,7 +83,7 @@ CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
             fmt::format("{} {}", flag, UnknownWord(results.back(), OptionText<T>::kExpected)));
       }
       if constexpr (std::is_arithmetic_v<T>) {
-        const double number = static_cast<double>(parsed);
+        const auto number = static_cast<double>(parsed);
         if (!(number >= info.min && number <= info.max))
           throw CLI::ValidationError(fmt::format("{} {}{}", flag, results.back(), LimitsText(info)));
       }

@@ -22,7 +22,7 @@ void AddBagOptions(CLI::App& command, BagArguments& arguments);
 
 // Opens a recording of any format; a bag with these options. Throws UsageError if options are given and the
 // recording is not a bag.
-std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& path,
+std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path& named,
                                                     const BagArguments& arguments);
 
 }  // namespace sonarcal::cli

@@ -21,7 +21,7 @@ constexpr const char* kEveryCommand = "Every command";
 
 // Group of each option that several commands share, by its long name.
 const std::map<std::string, std::string>& Groups() {
-  static const std::map<std::string, std::string> groups = [] {
+  static const std::map<std::string, std::string> kGroups = [] {
     std::map<std::string, std::string> by_name;
     const auto add = [&](const char* group, std::initializer_list<const char*> names) {
       for (const char* name : names) by_name[name] = group;
@@ -44,7 +44,7 @@ const std::map<std::string, std::string>& Groups() {
     add(kEveryCommand, {"help", "json", "quiet", "verbose", "log", "options"});
     return by_name;
   }();
-  return groups;
+  return kGroups;
 }
 
 }  // namespace
@@ -58,9 +58,9 @@ void GroupOptions(CLI::App& command) {
 }
 
 const std::vector<std::string>& OptionGroups() {
-  static const std::vector<std::string> groups = {kInput, kOutput,     kOptions,
-                                                  kRays,  kComparison, kEveryCommand};
-  return groups;
+  static const std::vector<std::string> kGroups = {kInput, kOutput,     kOptions,
+                                                   kRays,  kComparison, kEveryCommand};
+  return kGroups;
 }
 
 }  // namespace sonarcal::cli

@@ -87,7 +87,7 @@ std::vector<std::string> WordsOf(const std::string& file, const CLI::Option& opt
   if (option.get_expected_max() < CLI::detail::expected_max_vector_size)
     return {fmt::format("{}={}", flag, fmt::join(item.inputs, ","))};
   std::vector<std::string> words;
-  for (const std::string& input : item.inputs) words.push_back(flag + '=' + input);
+  for (const std::string& input : item.inputs) words.push_back(fmt::format("{}={}", flag, input));
   return words;
 }
 

@@ -44,10 +44,9 @@ Json ReadLeniently(const fs::path& file) {
 
 bool HoldsAnything(const fs::path& folder) {
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (!entry.path().filename().string().starts_with('.')) return true;
-  }
-  return false;
+  return std::ranges::any_of(fs::directory_iterator(folder, error), [](const fs::directory_entry& entry) {
+    return !entry.path().filename().string().starts_with('.');
+  });
 }
 
 struct EarlierRun {

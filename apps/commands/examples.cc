@@ -51,7 +51,7 @@ std::string Text(const std::vector<std::string>& lines) {
 }  // namespace
 
 const std::vector<Example>& Examples() {
-  static const std::vector<Example> examples = {
+  static const std::vector<Example> kExamples = {
       {"scenes", {kScenes}},
       {"simulate", {kScenes, kRecord}},
       {"inspect", {kScenes, kRecord, "sonarcal inspect recorded"}},
@@ -99,7 +99,7 @@ const std::vector<Example>& Examples() {
        Needs::kFiles},
       {"batch", {"sonarcal batch plan.json --out many --jobs 2"}, Needs::kFiles},
   };
-  return examples;
+  return kExamples;
 }
 
 void AddExamples(CLI::App& app) {

@@ -30,8 +30,6 @@
 #include "data_io/recordings/locked_recording.h"
 #include "sim/scenes/environments.h"
 
-extern char** environ;
-
 namespace sonarcal::commands {
 namespace {
 

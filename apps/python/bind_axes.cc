@@ -296,7 +296,7 @@ void BindSonar(py::module_& module) {
             if (choice.sonar.beam_forming == BeamForming::kUnknown) return std::nullopt;
             return std::string(ToString(choice.sonar.beam_forming));
           },
-          "\"array\" or \"lens\"; None where unknown.")
+          R"("array" or "lens"; None where unknown.)")
       .def_property_readonly(
           "sound_speed_m_per_s",
           [](const workflow::SonarChoice& choice) { return choice.sonar.sound_speed_m_per_s; })

@@ -78,15 +78,15 @@ void RaiseUnknownOption(const std::string& class_name, const std::string& name, 
 }
 
 std::string WithKeywords(const std::string& sentence) {
-  static const std::set<std::string> names = KeywordNames();
-  static const std::regex flag("--([a-z]+(-[a-z]+)*)");
+  static const std::set<std::string> kNames = KeywordNames();
+  static const std::regex kFlag("--([a-z]+(-[a-z]+)*)");
   std::string text;
   auto rest = sentence.begin();
-  for (std::sregex_iterator match(sentence.begin(), sentence.end(), flag), end; match != end; ++match) {
+  for (std::sregex_iterator match(sentence.begin(), sentence.end(), kFlag), end; match != end; ++match) {
     std::string name = (*match)[1];
     std::ranges::replace(name, '-', '_');
     text.append(rest, (*match)[0].first);
-    text += names.contains(name) ? name : std::string((*match)[0]);
+    text += kNames.contains(name) ? name : std::string((*match)[0]);
     rest = (*match)[0].second;
   }
   return text.append(rest, sentence.end());

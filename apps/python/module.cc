@@ -21,6 +21,7 @@ void RegisterErrors(py::module_& module) {
       "expected.";
   usage_error.attr("__doc__") =
       "An argument is wrong: one sentence that names the argument, its value and what was expected.";
+  // pybind11 needs a copy. NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

@@ -26,7 +26,7 @@ bool IsBool(const py::object& object) {
 // operator.index(object); null if it has none.
 py::object IndexOf(const py::object& object) {
   if (IsBool(object)) return {};
-  py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr()));
+  auto index = py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr()));
   if (!index) PyErr_Clear();
   return index;
 }
@@ -46,7 +46,7 @@ std::filesystem::path PathOf(const py::object& object) {
 
 bool ReadNumber(const py::object& object, double& value) {
   if (IsBool(object) || py::isinstance<py::str>(object) || py::isinstance<py::bytes>(object)) return false;
-  const py::object number = py::reinterpret_steal<py::object>(PyNumber_Float(object.ptr()));
+  const auto number = py::reinterpret_steal<py::object>(PyNumber_Float(object.ptr()));
   if (!number) PyErr_Clear();
   if (!number) return false;
   value = PyFloat_AsDouble(number.ptr());
@@ -69,7 +69,7 @@ bool ReadUnsigned(const py::object& object, std::uint64_t& value) {
 
 std::optional<std::vector<py::object>> ItemsOf(const py::object& object) {
   if (py::isinstance<py::str>(object) || py::isinstance<py::bytes>(object) || IsMapping(object)) return {};
-  const py::object iterator = py::reinterpret_steal<py::object>(PyObject_GetIter(object.ptr()));
+  const auto iterator = py::reinterpret_steal<py::object>(PyObject_GetIter(object.ptr()));
   if (!iterator) PyErr_Clear();
   if (!iterator) return {};
   std::vector<py::object> items;

@@ -305,7 +305,7 @@ T OptionFromObject(const OptionInfo& info, const pybind11::object& object) {
     }
     if (!is_read) throw UsageError("{} {}", info.name, UnknownWord(ShortText(object), expected));
     if constexpr (std::is_arithmetic_v<T>) {
-      const double number = static_cast<double>(value);
+      const auto number = static_cast<double>(value);
       if (!(number >= info.min && number <= info.max))
         throw UsageError("{} {}{}", info.name, value, LimitsText(info));
     }

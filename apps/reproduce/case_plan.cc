@@ -232,9 +232,9 @@ fs::path CasesFolder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   // A Python package that pip installed brings the cases in its own folder.
-  const fs::path found = FirstFolder({program.parent_path().parent_path() / "share/sonarcal/cases",
-                                      FolderOfThisCode() / "share/sonarcal/cases", SONARCAL_SOURCE_CASES,
-                                      SONARCAL_INSTALLED_CASES});
+  fs::path found = FirstFolder({program.parent_path().parent_path() / "share/sonarcal/cases",
+                                FolderOfThisCode() / "share/sonarcal/cases", SONARCAL_SOURCE_CASES,
+                                SONARCAL_INSTALLED_CASES});
   if (found.empty()) {
     throw DataError("no cases are found, neither in {} nor in {}; SONARCAL_CASES says where they are",
                     SONARCAL_SOURCE_CASES, SONARCAL_INSTALLED_CASES);

@@ -59,7 +59,7 @@ class StripMaker {
       const double at_m = range_m * StripRangeRatio(lean_rad_, half_beam_rad_, elevation);
       // Never met again beyond where sound and line are parallel.
       near.push_back(at_m > 0.0 && at_m <= farthest_m_);
-      scene_.vertices_m.push_back(
+      scene_.vertices_m.emplace_back(
           PointAt(near.back() ? at_m : farthest_m_, azimuth_rad, elevation).cast<float>());
     }
     for (int i = 0; joined && i + 1 < static_cast<int>(near.size()); ++i) {

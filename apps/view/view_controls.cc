@@ -145,7 +145,7 @@ class Builder {
     }
   }
 
-  ViewControl Named(const ParameterInfo& info, const Place& place) const {
+  static ViewControl Named(const ParameterInfo& info, const Place& place) {
     ViewControl control{.name = place.name + std::string(info.key),
                         .path = place.path,
                         .group = std::string(ToString(place.topic)),
@@ -177,7 +177,8 @@ class Builder {
       control.fitted = place.part != "default";
     }
     Settle(start, range, control);
-    placed_.push_back({{place.topic, control.absent ? 0 : 2}, std::move(control)});
+    const int order = control.absent ? 0 : 2;
+    placed_.push_back({{place.topic, order}, std::move(control)});
   }
 
   void Add(const ParameterInfo& info, double start, const Place& place) {

@@ -31,7 +31,7 @@ void Put(httplib::Response& response, int status, std::string body, const std::s
   response.status = status;
   if (body.empty()) return;
   const auto kept = std::make_shared<const std::string>(std::move(body));
-  response.set_content_provider(kept->size(), type.c_str(),
+  response.set_content_provider(kept->size(), type,
                                 [kept](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
                                   return sink.write(kept->data() + offset, length);
                                 });

@@ -17,6 +17,8 @@ class ViewServer {
   // `port` 0: any free one. `api` must outlive the server. Throws DataError if the port is taken.
   ViewServer(ViewApi& api, int port);
   ~ViewServer();  // stops the server
+  ViewServer(const ViewServer&) = delete;
+  ViewServer& operator=(const ViewServer&) = delete;
 
   // Starts answering, in its own threads.
   void Start();

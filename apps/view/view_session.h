@@ -67,6 +67,8 @@ class ViewSession {
   // Throws DataError if the scene cannot be used.
   explicit ViewSession(ViewSetup setup);
   ~ViewSession();
+  ViewSession(const ViewSession&) = delete;
+  ViewSession& operator=(const ViewSession&) = delete;
 
   const ViewSetup& setup() const { return setup_; }
   const Scene& scene() const { return caster_->scene(); }

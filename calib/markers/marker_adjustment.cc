@@ -35,9 +35,13 @@ struct MapPrior {
 
 class Adjuster {
  public:
-  Adjuster(std::vector<AdjustedFrame> frames, const MarkerMap& map, const Camera& camera,
-           const FlatPort* port, bool refine_focal)
-      : frames_(std::move(frames)), map_(map), camera_(camera), port_(port), refine_focal_(refine_focal) {
+  Adjuster(std::vector<AdjustedFrame> frames, MarkerMap map, const Camera& camera, const FlatPort* port,
+           bool refine_focal)
+      : frames_(std::move(frames)),
+        map_(std::move(map)),
+        camera_(camera),
+        port_(port),
+        refine_focal_(refine_focal) {
     for (const AdjustedFrame& frame : frames_) {
       references_.push_back(frame.world_from_camera.rotation);
       const Eigen::Vector3d& p = frame.world_from_camera.position_m;

@@ -100,7 +100,7 @@ std::vector<Pose> Guesses(const std::vector<MarkerObservation>& seen, const Mark
       straight[i][k] = *point;
     }
     all.Add(marker.world_from_marker, marker.size_m, straight[i]);
-    by_area.push_back({-AreaPx2(seen[i]), i});
+    by_area.emplace_back(-AreaPx2(seen[i]), i);
   }
   std::vector<Pose> guesses =
       Solutions(all.object, all.image, all.LieInAPlane() ? cv::SOLVEPNP_IPPE : cv::SOLVEPNP_SQPNP);

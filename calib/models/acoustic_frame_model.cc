@@ -248,7 +248,7 @@ double AcousticFrameModel::TracedCost(const ParameterValues& values, const sim::
 }
 
 Grid<double> AcousticFrameModel::EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                                               const Rays& rays) const {
+                                               const Rays& rays) {
   const sim::Simulator& simulator = *rays.simulator;
   const sim::AcousticGeometry geometry = GeometryWith(simulator);
   sim::ScatterMap scatter = sim::ScatterFrom(simulator.caster(), rays.fan, world_from_sonar, geometry,

@@ -197,8 +197,8 @@ class AcousticFrameModel final : public FrameModel {
   // Ghosts from a pose, as far beside the beams as a free transmitter angle may reach.
   sim::GhostList GhostsOf(const sim::Simulator& simulator, const Pose& world_from_sonar,
                           const ParameterValues& values, const std::vector<int>& geometric) const;
-  Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
-                             const Rays& rays) const;
+  static Grid<double> EchoPowerFrom(const Pose& world_from_sonar, const ParameterSet& parameters,
+                                    const Rays& rays);
   bool HasSlopes() const;
   // Block of pixels for a coarse model; nullopt if that would be no cheaper.
   std::optional<PixelBlock> BlockFor(std::size_t wanted_pixels) const;

@@ -49,8 +49,7 @@ std::vector<sim::GhostWay> AllWays(const std::vector<FrameEchoes>& of_pings) {
   for (const FrameEchoes& echoes : of_pings)
     ways.insert(ways.end(), echoes.ghosts.ways.begin(), echoes.ghosts.ways.end());
   std::ranges::sort(ways);
-  const auto repeated = std::ranges::unique(ways);
-  ways.erase(repeated.begin(), repeated.end());
+  ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
   return ways;
 }
 

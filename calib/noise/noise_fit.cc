@@ -110,7 +110,7 @@ class Fitter {
   // Sandwich over pings, or over range bands of pings if there are few.
   Eigen::MatrixXd Covariance(const NoiseSolution& solution) const {
     const int count = solution.layout.count;
-    const Eigen::MatrixXd bread = solution.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
+    Eigen::MatrixXd bread = solution.information.ldlt().solve(Eigen::MatrixXd::Identity(count, count));
     Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(count, count);
     std::vector<Eigen::VectorXd> scores;
     for (const NoiseCounts& ping : used_.each) {
@@ -127,7 +127,7 @@ class Fitter {
         scores.push_back(NoiseScore(solution, alone, cells_, weight_, options_.absorption_db_per_m));
       }
     }
-    const double blocks = static_cast<double>(scores.size());
+    const auto blocks = static_cast<double>(scores.size());
     if (blocks < 2.0) return bread;
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(count);
     for (const Eigen::VectorXd& score : scores) mean += score / blocks;

@@ -37,7 +37,7 @@ InformationTable::InformationTable(const GreyLevels& grey, int full_scale, doubl
 
 PixelInformation InformationTable::operator()(double noise_power) const {
   const double position = std::max(0.0, (std::log(noise_power) - first_) / kStep);
-  const std::size_t i = static_cast<std::size_t>(position);
+  const auto i = static_cast<std::size_t>(position);
   if (i + 1 >= entry_.size()) return entry_.back();
   const double fraction = position - static_cast<double>(i);
   return (1.0 - fraction) * entry_[i] + fraction * entry_[i + 1];

@@ -141,8 +141,8 @@ Informative InformativePixels(const Stack& stack, const StillOptions& options, d
     for (const auto& frame : stack.frames) classes_of.push_back(frame[pixel]);
   }
   if (pixels.empty()) throw DataError("still frames: no pixel is near the noise level");
-  return {pixels, StillLikelihood(stack.classes, options.looks, frames, std::move(classes_of),
-                                  std::move(shape_db), brightest_db)};
+  return {pixels, StillLikelihood(stack.classes, options.looks, frames, std::move(classes_of), shape_db,
+                                  brightest_db)};
 }
 
 // If all pixels were noise, the darkest fifth would end a quarter of the mean below it.

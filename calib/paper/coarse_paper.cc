@@ -95,7 +95,7 @@ sim::EchoHistogram MakeCoarse(const sim::EchoHistogram& fine, Block block) {
 
 FitFrame MakeCoarse(const FitFrame& fine, int fine_beams, Block block) {
   FitFrame coarse{.index = fine.index, .echoes = MakeCoarse(fine.echoes, block), .measured = {}};
-  const std::size_t beams = static_cast<std::size_t>(fine_beams / block.beams);
+  const auto beams = static_cast<std::size_t>(fine_beams / block.beams);
   coarse.measured.assign(fine.measured.size() / (block.bins * block.beams), 0.0);
   if (!fine.use.empty()) coarse.use.assign(coarse.measured.size(), 1);
   for (std::size_t i = 0; i < fine.measured.size(); ++i) {

@@ -57,7 +57,7 @@ PaperEvaluation::PaperEvaluation(const std::vector<CatalogEntry>& catalog,
   }
 }
 
-PaperEvaluation::Column PaperEvaluation::PlanColumn(const CatalogEntry& entry) const {
+PaperEvaluation::Column PaperEvaluation::PlanColumn(const CatalogEntry& entry) {
   if (entry.group == ParameterGroup::kGsab)
     return {Of::kCurve, std::size_t{sim::kCurveStride} * entry.material + 1 + entry.index};
   if (entry.group == ParameterGroup::kSourceLevel) return {Of::kSourceLevel};

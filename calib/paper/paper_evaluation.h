@@ -59,7 +59,7 @@ class PaperEvaluation final : public FrameEvaluation {
     std::size_t index = 0;  // of a curve: among the sums of a pixel
     std::size_t slope = 0;
   };
-  Column PlanColumn(const CatalogEntry& entry) const;
+  static Column PlanColumn(const CatalogEntry& entry);
   // Consecutive pixels that show an echo. The sum of the others is 0, whatever curves and display.
   struct Lit {
     std::span<const std::uint32_t> pixels;

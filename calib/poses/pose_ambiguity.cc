@@ -144,7 +144,7 @@ std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::ve
     if (catalog[entry].group == ParameterGroup::kPose) by_frame[catalog[entry].frame].push_back(entry);
   }
   std::vector<OtherPose> others;
-  if (by_frame.count(kMountFrame) != 0) return others;
+  if (by_frame.contains(kMountFrame)) return others;
   for (const auto& [frame, of] : by_frame) {
     if (of.size() != kPoseSteps) continue;
     for (OtherPose& other : OtherPosesOf(model, catalog, frame, of, values))

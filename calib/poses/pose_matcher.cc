@@ -187,7 +187,10 @@ void PoseMatcher::TakeBestGain(MatchState& state, double reach_db) const {
     const double about_db = state.*gain;
     double best_db = about_db;
     state.cost = std::numeric_limits<double>::infinity();
-    for (double db = about_db - reach_db; db <= about_db + reach_db; db += 5.0) {
+    constexpr double kStepDb = 5.0;
+    const auto steps = static_cast<int>(reach_db / kStepDb);
+    for (int step = -steps; step <= steps; ++step) {
+      const double db = about_db + kStepDb * step;
       state.*gain = db;
       Grid<float> predicted = Displayed(echoes, state.gain_db, state.floor_gain_db);
       const double cost = Cost(predicted);

@@ -20,6 +20,7 @@ class PoseProblem {
   PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
               const PoseSmoothing& smoothing, int decimation, std::vector<int> frames,
               std::vector<int> entries, const ParameterValues& values);
+  ~PoseProblem() = default;
   PoseProblem(const PoseProblem&) = delete;
   PoseProblem& operator=(const PoseProblem&) = delete;
 

@@ -446,15 +446,13 @@ class Search {
              RadFromDeg(kNearDeg);
     };
     for (PoseCandidate& candidate : result_.candidates) {
-      if (&candidate == &best) {
-        candidate.kind = CandidateKind::kStart;
-      } else if (is_near(candidate, of_best * HalfTurn(1)) || is_near(candidate, of_best * HalfTurn(2))) {
+      candidate.kind = CandidateKind::kStart;
+      if (&candidate == &best) continue;
+      if (is_near(candidate, of_best * HalfTurn(1)) || is_near(candidate, of_best * HalfTurn(2))) {
         candidate.kind = CandidateKind::kReversed;
       } else if (options_.floor_material.empty() &&
                  is_near(candidate, MirroredTurn(result_.symmetry, of_best))) {
         candidate.kind = CandidateKind::kMirrored;
-      } else {
-        candidate.kind = CandidateKind::kStart;
       }
     }
   }

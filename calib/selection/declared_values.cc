@@ -49,7 +49,7 @@ std::vector<std::string> Distinct(const std::vector<std::string>& origins) {
 std::vector<std::string> ContradictedOrigins(DeclaredValues values) {
   constexpr double kDeviations = 2.0;
   while (true) {
-    const std::vector<std::string> origins = Distinct(values.origins);
+    std::vector<std::string> origins = Distinct(values.origins);
     double least = std::numeric_limits<double>::infinity();
     std::string trusted;
     for (const std::string& origin : origins) {

@@ -112,7 +112,7 @@ class Surface {
         v = 1.0 - v;
       }
       const auto& corner = triangles_[at].corner;
-      samples_.push_back(corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]));
+      samples_.emplace_back(corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]));
     }
   }
 
@@ -160,8 +160,8 @@ MeshSymmetry FindSymmetry(const Scene& mesh, double tolerance_m) {
   const Surface surface(mesh);
   // Ascending moments: the last is along the longest direction.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(surface.moments());
-  const Eigen::Vector3d moments = solver.eigenvalues();
-  const Eigen::Matrix3d vectors = solver.eigenvectors();
+  const Eigen::Vector3d& moments = solver.eigenvalues();
+  const Eigen::Matrix3d& vectors = solver.eigenvectors();
   MeshSymmetry found;
   for (const Eigen::Vector3f& vertex : mesh.vertices_m)
     found.radius_m = std::max(found.radius_m, (vertex.cast<double>() - surface.centroid()).norm());

@@ -247,7 +247,7 @@ struct SharedInformation {
     const Eigen::MatrixXd frame = slopes.of_frame.topLeftCorner(rows, own);
     const Eigen::MatrixXd shared = slopes.of_shared.topRows(rows)(Eigen::all, entries);
     const Eigen::VectorXd residual = slopes.residual.head(rows);
-    const Eigen::MatrixXd inverse = (frame.transpose() * frame).inverse();
+    Eigen::MatrixXd inverse = (frame.transpose() * frame).inverse();
     const Eigen::MatrixXd cross = shared.transpose() * frame;
     information += shared.transpose() * shared - cross * inverse * cross.transpose();
     const Eigen::VectorXd score =

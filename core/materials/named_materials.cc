@@ -163,8 +163,8 @@ double SpecularAmplitude(double impedance_ratio, double rms_slope_deg) {
 }
 
 const std::vector<NamedMaterial>& BuiltInMaterials() {
-  static const std::vector<NamedMaterial> materials = MakeBuiltIn();
-  return materials;
+  static const std::vector<NamedMaterial> kMaterials = MakeBuiltIn();
+  return kMaterials;
 }
 
 const NamedMaterial& FindMaterial(std::string_view name, const std::vector<NamedMaterial>& materials) {

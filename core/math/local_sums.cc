@@ -47,8 +47,7 @@ Moments LocalSums::Over(const TrainingWindow& window) const {
   return {offset_ + mean, std::sqrt(std::max(0.0, square - mean * mean))};
 }
 
-LocalOrder::LocalOrder(const Grid<float>& value, const Mask* valid)
-    : low_(0.0), step_(1.0), level_(value.rows(), value.cols()) {
+LocalOrder::LocalOrder(const Grid<float>& value, const Mask* valid) : level_(value.rows(), value.cols()) {
   if (value.empty()) return;
   const auto [lowest, highest] = std::minmax_element(value.values().begin(), value.values().end());
   low_ = *lowest;

@@ -81,8 +81,8 @@ class LocalOrder {
   void Count(const CellBlock& block, int times);
   void Shift(const CellBlock& from, const CellBlock& to, int times);
 
-  double low_;
-  double step_;
+  double low_ = 0.0;
+  double step_ = 1.0;
   Grid<std::uint16_t> level_;  // kNoLevel for an invalid cell
   TrainingWindow window_;
   std::array<int, kGroups * kGroupSize> count_{};

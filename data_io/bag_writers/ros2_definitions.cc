@@ -1,5 +1,7 @@
 #include "data_io/bag_writers/ros2_definitions.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <sstream>
@@ -94,7 +96,7 @@ std::string Ros2Definition(const std::string& type) {
       continue;
     }
     const std::string fields = FieldsOf(types[i]);
-    text += line + "\nMSG: " + types[i] + "\n" + fields;
+    text += fmt::format("{}\nMSG: {}\n{}", line, types[i], fields);
     for (const std::string& nested : NestedTypes(fields)) types.push_back(nested);
   }
   return text;

@@ -16,6 +16,7 @@ class CsvTable {
   // Throws DataError with file and line if there is no line of names, a name occurs twice, or a line has
   // another number of cells.
   explicit CsvTable(const std::filesystem::path& file);
+  ~CsvTable() = default;
   // Not copyable, because cells point into the text.
   CsvTable(const CsvTable&) = delete;
   CsvTable& operator=(const CsvTable&) = delete;

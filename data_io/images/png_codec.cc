@@ -25,6 +25,8 @@ class PngSession {
   PngSession& operator=(const PngSession&) = delete;
 
  protected:
+  ~PngSession() = default;
+
   template <typename Action>
   void Guard(const std::string& what, const Action& action) {
     if (setjmp(png_jmpbuf(png_)) != 0) throw DataError("{}: {}", what, message_);
@@ -63,6 +65,8 @@ class PngReader : PngSession {
       throw;
     }
   }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   ImageHeader Header() const {
@@ -126,6 +130,8 @@ class PngWriter : PngSession {
     }
     png_set_write_fn(png_, &encoded_, WriteBytes, nullptr);
   }
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
   ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
 
   std::vector<std::uint8_t> Encode(const ImageHeader& header, std::span<const std::byte> samples) {

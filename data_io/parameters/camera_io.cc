@@ -57,7 +57,7 @@ void ReadDistortion(const YamlReader& yaml, Camera& camera) {
   if (!coefficients) return;
   const YamlReader data = coefficients->At("data");
   const std::vector<double> k = data.Numbers();
-  if (k.size() != 0 && k.size() != 4 && k.size() != 5 && k.size() != 8 && k.size() != 12 && k.size() != 14)
+  if (!k.empty() && k.size() != 4 && k.size() != 5 && k.size() != 8 && k.size() != 12 && k.size() != 14)
     data.Fail(fmt::format("has {} numbers, expected 4, 5, 8 or 12", k.size()));
   for (std::size_t i = 0; i < k.size(); ++i) {
     if (i >= camera.distortion.size()) {

@@ -32,7 +32,7 @@ Marker ReadMarker(const JsonReader& json, const MarkerDictionary& dictionary) {
 }  // namespace
 
 const std::vector<MarkerDictionary>& MarkerDictionaries() {
-  static const std::vector<MarkerDictionary> dictionaries = {
+  static const std::vector<MarkerDictionary> kDictionaries = {
       {"DICT_4X4_50", 0, 6, 50},
       {"DICT_4X4_100", 1, 6, 100},
       {"DICT_4X4_250", 2, 6, 250},
@@ -55,7 +55,7 @@ const std::vector<MarkerDictionary>& MarkerDictionaries() {
       {"DICT_APRILTAG_36h10", 19, 8, 2320},
       {"DICT_APRILTAG_36h11", 20, 8, 587},
   };
-  return dictionaries;
+  return kDictionaries;
 }
 
 const MarkerDictionary* FindMarkerDictionary(std::string_view name) {

@@ -2,7 +2,9 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/types/error.h"
 #include "core/types/parse_number.h"
@@ -25,7 +27,7 @@ void RequireCount(std::size_t triangles, const std::string& file) {
 
 class TextStl {
  public:
-  TextStl(std::string_view text, const std::string& file) : text_(text), rest_(text), file_(file) {}
+  TextStl(std::string_view text, std::string file) : text_(text), rest_(text), file_(std::move(file)) {}
 
   std::vector<Eigen::Vector3f> ReadCorners() {
     std::size_t solids = 0;
@@ -51,7 +53,7 @@ class TextStl {
       const double x = TakeNumber();
       const double y = TakeNumber();
       const double z = TakeNumber();
-      corners_.push_back(Eigen::Vector3d(x, y, z).cast<float>());
+      corners_.emplace_back(Eigen::Vector3d(x, y, z).cast<float>());
     }
     Expect("endloop");
     Expect("endfacet");

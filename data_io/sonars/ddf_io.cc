@@ -116,7 +116,7 @@ DdfFrameHeader ParseFrameHeader(const ByteReader& reader, const DdfHeader& file)
 }
 
 std::vector<double> AzimuthsRad(int beams) {
-  const std::vector<double> of_96 = DidsonAzimuthsRad();
+  std::vector<double> of_96 = DidsonAzimuthsRad();
   if (beams == 96) return of_96;
   std::vector<double> between;
   for (std::size_t i = 0; i + 1 < of_96.size(); i += 2) between.push_back(0.5 * (of_96[i] + of_96[i + 1]));

@@ -102,7 +102,7 @@ std::optional<double> Worsening(const Figure& figure, const PairedSeries& series
     now += series.now[i];
     earlier += series.earlier[i];
   }
-  const double count = static_cast<double>(indices.size());
+  const auto count = static_cast<double>(indices.size());
   const std::optional<double> figure_now = figure.Finish(now / count);
   const std::optional<double> figure_then = figure.Finish(earlier / count);
   if (!figure_now || !figure_then) return std::nullopt;
@@ -152,7 +152,7 @@ std::vector<std::string> Notes(const MetricsReport& now, const Json& now_json, c
                                 now.real));
   }
   if (differ("segmentation")) {
-    notes.push_back("the earlier comparison found the object by other settings of the segmentation");
+    notes.emplace_back("the earlier comparison found the object by other settings of the segmentation");
   }
   const auto other_object = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) {
     return NumberAt(*pair.earlier, "nr") != static_cast<double>(pair.now->polar.occupancy.nr);

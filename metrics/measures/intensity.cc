@@ -47,7 +47,7 @@ std::optional<double> DifferenceSums::relative() const {
 
 std::optional<double> DifferenceSums::correlation() const {
   if (pixels == 0) return std::nullopt;
-  const double count = static_cast<double>(pixels);
+  const auto count = static_cast<double>(pixels);
   const double real_variance = real_square - real * real / count;
   const double simulated_variance = simulated_square - simulated * simulated / count;
   // The variance of a constant image is below the rounding error.

@@ -78,7 +78,7 @@ double TriangleThreshold(const std::vector<float>& values, double full_scale) {
   const int high_end = std::min(kLast, last + 1);
   const int step = top - low_end < high_end - top ? -1 : 1;  // from the end of the longer tail to the top
   const int end = step < 0 ? high_end : low_end;
-  const double height = static_cast<double>(count[top]);
+  const auto height = static_cast<double>(count[top]);
   const double width = std::abs(top - end);
   int farthest = end;
   double most = 0.0;

@@ -28,10 +28,10 @@ std::optional<double> Detection::iou() const {
   return Share(true_positives, true_positives + false_positives + false_negatives);
 }
 
-Detection& Detection::operator+=(const Detection& detection) {
-  true_positives += detection.true_positives;
-  false_positives += detection.false_positives;
-  false_negatives += detection.false_negatives;
+Detection& Detection::operator+=(const Detection& other) {
+  true_positives += other.true_positives;
+  false_positives += other.false_positives;
+  false_negatives += other.false_negatives;
   return *this;
 }
 

@@ -32,6 +32,8 @@ class PixelDetector {
   // Throws DataError if the frames have no object pixel or only object pixels.
   explicit PixelDetector(const std::vector<const LabelledFrame*>& frames);
   ~PixelDetector();
+  PixelDetector(const PixelDetector&) = delete;
+  PixelDetector& operator=(const PixelDetector&) = delete;
   PixelDetector(PixelDetector&&) noexcept;
   PixelDetector& operator=(PixelDetector&&) noexcept;
 

@@ -58,7 +58,7 @@ class BlockMap {
 
   // Shares a power between the two rows next to a position. The rows before the first and after the last one
   // take what lies outside.
-  void AddAt(float* column, float position, float power) {
+  static void AddAt(float* column, float position, float power) {
     const float above = position + 1.0F;
     const int row = static_cast<int>(above);
     const float further = (above - static_cast<float>(row)) * power;

@@ -68,8 +68,8 @@ PatchShader::PatchShader(const RayFan& fan, const EchoPowerModel& model, double 
     const auto earlier = std::find(model.materials().begin(), model.materials().end(), curve);
     if (const auto same = static_cast<std::size_t>(earlier - model.materials().begin());
         same < strength_.size()) {
-      strength_.push_back(std::vector<float>(strength_[same]));
-      if (slopes) strength_slopes_.push_back(std::vector<float>(strength_slopes_[same]));
+      strength_.emplace_back(strength_[same]);
+      if (slopes) strength_slopes_.emplace_back(strength_slopes_[same]);
       continue;
     }
     const auto over_incidence = [&](const auto& value) {

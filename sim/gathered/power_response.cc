@@ -69,8 +69,9 @@ ImageStack PowerResponse::Apply(const EchoPower& echoes, std::span<const double>
 }
 
 PowerResponse MakePowerResponse(const SonarModel& sonar, const ParameterSet& parameters,
-                                const std::vector<double>& columns, int range_steps) {
-  return {sonar.axes.range_bins, range_steps, AzimuthWindows(sonar, parameters, columns, ResponseOf::kPower),
+                                const std::vector<double>& column_azimuth_rad, int range_steps) {
+  return {sonar.axes.range_bins, range_steps,
+          AzimuthWindows(sonar, parameters, column_azimuth_rad, ResponseOf::kPower),
           PulseWindow(sonar, parameters, range_steps, ResponseOf::kPower)};
 }
 

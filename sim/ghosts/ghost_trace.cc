@@ -424,7 +424,7 @@ std::vector<char> ReflectingMaterials(const std::vector<std::string>& material_n
                                       const ParameterSet& parameters) {
   std::vector<char> reflects;
   for (const std::string& name : material_names) {
-    reflects.push_back(parameters.mirrors.count(name) != 0 ? 1 : 0);
+    reflects.push_back(parameters.mirrors.contains(name) ? 1 : 0);
   }
   return reflects;
 }

@@ -82,7 +82,8 @@ PolarImage RenderPaperImage(const EchoList& echoes, const SonarModel& sonar,
 void QuantiseImage(PolarImage& image) {
   // std::round for values of at least 0, in a form that the compiler turns into vector instructions.
   for (float& value : image.value.values())
-    value = static_cast<float>(static_cast<std::int32_t>(double{value} + 0.5));
+    value = static_cast<float>(
+        static_cast<std::int32_t>(double{value} + 0.5));  // NOLINT(bugprone-incorrect-roundings)
 }
 
 }  // namespace sonarcal::sim

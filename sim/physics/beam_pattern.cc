@@ -94,9 +94,9 @@ double AzimuthEquivalentWidthRad(const AzimuthResponse<double>& response, double
 double MainLobeEndRad(const ElevationResponse& response) {
   constexpr double kStepRad = 1e-3;
   double last = response.Power(0.0);
-  for (double angle_rad = kStepRad; angle_rad < 0.5 * kPi; angle_rad += kStepRad) {
-    const double power = response.Power(angle_rad);
-    if (power > last) return angle_rad - kStepRad;
+  for (int step = 1; step * kStepRad < 0.5 * kPi; ++step) {
+    const double power = response.Power(step * kStepRad);
+    if (power > last) return (step - 1) * kStepRad;
     last = power;
   }
   return 0.5 * kPi;

@@ -92,9 +92,9 @@ double SigmaDb(const SphereInWater& sphere, const SphereUncertainty& uncertainty
 }  // namespace
 
 const std::vector<std::pair<std::string, SphereMaterial>>& NamedSphereMaterials() {
-  static const std::vector<std::pair<std::string, SphereMaterial>> materials = {
+  static const std::vector<std::pair<std::string, SphereMaterial>> kMaterials = {
       {"wc", {6853.0, 4171.0, 14900.0}}, {"steel-440c", {5950.0, 3240.0, 7650.0}}};
-  return materials;
+  return kMaterials;
 }
 
 double SphereCrossSectionM2(const SphereInWater& sphere, double frequency_hz) {

@@ -38,7 +38,7 @@ struct RayCaster::RowBuffers {
   RowBuffers(int cols, const Eigen::Vector3f& origin) {
     for (auto& of_row : direction) {
       for (std::vector<float>& component : of_row)
-        component.resize(static_cast<std::size_t>(cols + kTileCols), 0.0F);
+        component.resize(static_cast<std::size_t>(cols) + kTileCols, 0.0F);
     }
     std::fill_n(packet.ray.org_x, kPacket, origin.x());
     std::fill_n(packet.ray.org_y, kPacket, origin.y());
@@ -116,6 +116,9 @@ struct RayCaster::Embree {
   RTCScene scene = nullptr;
   std::shared_ptr<std::atomic<std::int64_t>> rays_cast = std::make_shared<std::atomic<std::int64_t>>(0);
 
+  Embree() = default;
+  Embree(const Embree&) = delete;
+  Embree& operator=(const Embree&) = delete;
   ~Embree() {
     if (scene != nullptr) rtcReleaseScene(scene);
     if (device != nullptr) rtcReleaseDevice(device);
@@ -160,7 +163,7 @@ RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_
   for (const Eigen::Vector3i& t : scene_.triangles) {
     const Eigen::Vector3f edge1 = scene_.vertices_m[t[1]] - scene_.vertices_m[t[0]];
     const Eigen::Vector3f edge2 = scene_.vertices_m[t[2]] - scene_.vertices_m[t[0]];
-    normals_.push_back(edge1.cast<double>().cross(edge2.cast<double>()).normalized().cast<float>());
+    normals_.emplace_back(edge1.cast<double>().cross(edge2.cast<double>()).normalized().cast<float>());
   }
 }
 

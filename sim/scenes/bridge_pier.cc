@@ -20,7 +20,7 @@ std::vector<Vector2d> SquareSection(int pieces) {
   Vector2d from(1.0, -1.0);
   for (int side = 0; side < 4; ++side) {
     const Vector2d to(-from.y(), from.x());
-    for (int piece = 0; piece < pieces; ++piece) section.push_back(from + (to - from) * piece / pieces);
+    for (int piece = 0; piece < pieces; ++piece) section.emplace_back(from + (to - from) * piece / pieces);
     from = to;
   }
   return section;

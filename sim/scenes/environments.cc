@@ -97,7 +97,7 @@ std::vector<Pose> JacketViewpoints() {
 }  // namespace
 
 const std::vector<Environment>& Environments() {
-  static const std::vector<Environment> environments = {
+  static const std::vector<Environment> kEnvironments = {
       {"tank", "Tank", "Test tank, 12 x 10 x 1.5 m, with two mock-ups (Park 2024 Table 5, Fig. 10)", 0.0,
        Tank, TankViewpoints, kMockupTankPoseSets, MockupTankPoses},
       {"mockup", "Mock-up", "Scaled subsea well, 1 x 1 x 1.5 m, another pattern on each side (Fig. 9)",
@@ -110,7 +110,7 @@ const std::vector<Environment>& Environments() {
        "Frame of pipes, four legs with level pipes and braces, 5 x 5 x 8.5 m (Figs. 5c and 8)", kJacketBed_m,
        Jacket, JacketViewpoints},
   };
-  return environments;
+  return kEnvironments;
 }
 
 const Environment& FindEnvironment(std::string_view name) {

@@ -81,7 +81,7 @@ Scene MakePatch(const Vector3d& corner_m, const Vector3d& side_u_m, const Vector
   for (int v = 0; v <= count_v; ++v) {
     for (int u = 0; u <= count_u; ++u) {
       const Vector3d point_m = corner_m + side_u_m * (double(u) / count_u) + side_v_m * (double(v) / count_v);
-      scene.vertices_m.push_back(point_m.cast<float>());
+      scene.vertices_m.emplace_back(point_m.cast<float>());
     }
   }
   const int row = count_u + 1;
@@ -117,7 +117,7 @@ Scene MakeBox(const Vector3d& min_m, const Vector3d& max_m, double max_edge_m, c
                             ? max_m[axis]
                             : min_m[axis] + size_m[axis] * (double(place[axis]) / count[axis]);
       }
-      scene.vertices_m.push_back(point_m.cast<float>());
+      scene.vertices_m.emplace_back(point_m.cast<float>());
     }
     return found->second;
   };
@@ -215,7 +215,7 @@ Scene MakeLoft(const std::vector<ProfilePoint>& profile, const std::vector<Eigen
     const int count = point.radius_m == 0.0 ? 1 : sectors;
     for (int sector = 0; sector < count; ++sector) {
       const Eigen::Vector2d across_m = point.radius_m * section[sector];
-      scene.vertices_m.push_back(Vector3d(point.axial_m, across_m.x(), across_m.y()).cast<float>());
+      scene.vertices_m.emplace_back(Vector3d(point.axial_m, across_m.x(), across_m.y()).cast<float>());
     }
   }
   const auto vertex = [&](std::size_t point, int sector) {

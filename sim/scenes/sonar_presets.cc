@@ -167,8 +167,8 @@ std::string_view Describe(BeamWidthMeaning meaning) {
 }
 
 const std::vector<SonarPreset>& SonarPresets() {
-  static const std::vector<SonarPreset> presets = AllPresets();
-  return presets;
+  static const std::vector<SonarPreset> kPresets = AllPresets();
+  return kPresets;
 }
 
 std::string SonarPresetNames() {

@@ -51,7 +51,7 @@ calib::FitReport ReportOf(const workflow::StillPoses& still) {
                                .upper = 300.0,
                                .status = calib::ParameterStatus::kFree});
   report.termination = "converged";
-  report.gauge.push_back("display and looks as given: noise levels are relative to them");
+  report.gauge.emplace_back("display and looks as given: noise levels are relative to them");
   return report;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace sonarcal::report {
 
@@ -20,9 +21,9 @@ int DecimalsOf(double step) {
 
 std::vector<double> TicksWithin(double min, double max, double step) {
   std::vector<double> ticks;
-  const double first = std::ceil(min / step - 1e-9);
-  const double last = std::floor(max / step + 1e-9);
-  for (double i = first; i <= last; ++i) ticks.push_back(i * step + 0.0);  // no negative zero
+  const auto first = static_cast<std::int64_t>(std::ceil(min / step - 1e-9));
+  const auto last = static_cast<std::int64_t>(std::floor(max / step + 1e-9));
+  for (std::int64_t i = first; i <= last; ++i) ticks.push_back(static_cast<double>(i) * step);
   return ticks;
 }
 

@@ -69,7 +69,7 @@ std::string Markdown(std::string_view text) {
 
 std::string Csv(std::string_view text) {
   if (text == kAbsent) return {};
-  const std::string plain = Replaced(text, {{kMinus, "-"}});
+  std::string plain = Replaced(text, {{kMinus, "-"}});
   if (plain.find_first_of(",\"\n\r") == std::string::npos) return plain;
   return fmt::format("\"{}\"", Replaced(plain, {{"\"", "\"\""}}));
 }

@@ -627,7 +627,7 @@ class Calibrator {
       if (name.starts_with("geometry.")) calib::SetGeometry(name, value, geometry);
       if (!name.starts_with("object.")) continue;
       const std::string object = name.substr(7, name.rfind('.') - 7);
-      const auto component = std::ranges::find(calib::kPoseNames, Component(name));
+      const auto* const component = std::ranges::find(calib::kPoseNames, Component(name));
       objects[object].step(component - calib::kPoseNames.begin()) = value;
     }
     sonar.axes = Corrected(sonar.axes, geometry);

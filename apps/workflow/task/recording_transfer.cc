@@ -60,10 +60,11 @@ std::vector<int> FramesToShow(const std::vector<metrics::LabelledFrame>& frames)
 // Test frame by its number among the frames of all recordings.
 TestedFrame FrameAt(const Recordings& recordings, const std::vector<metrics::LabelledFrame>& frames,
                     metrics::ShownDetection found) {
+  const int frame = found.frame;
   TestedFrame tested{.recording = {},
-                     .frame = found.frame,
+                     .frame = frame,
                      .image = {},
-                     .object = frames[static_cast<std::size_t>(found.frame)].object,
+                     .object = frames[static_cast<std::size_t>(frame)].object,
                      .found = std::move(found)};
   for (const RecordingSource* recording : recordings) {
     if (tested.frame < recording->frame_count()) {

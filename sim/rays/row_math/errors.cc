@@ -78,8 +78,8 @@ __attribute__((target("avx2"))) void PhiloxWordsAvx2(std::uint64_t seed, std::ui
 void PhiloxWords(std::uint64_t seed, std::uint32_t first, const std::int32_t* offset, std::uint32_t* word0,
                  std::uint32_t* word1) {
 #ifdef SONARCAL_AVX2
-  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
-  if (has_avx2) {
+  static const bool kHasAvx2 = __builtin_cpu_supports("avx2") != 0;
+  if (kHasAvx2) {
     PhiloxWordsAvx2(seed, first, offset, word0, word1);
     return;
   }
