@@ -97,7 +97,8 @@ class Finder:
                 self.binary(cursor, *operands)
         elif cursor.kind == CursorKind.UNARY_OPERATOR and len(operands) == 1 and is_number(operands[0]):
             name = {"-": "Negative", "!": "Not"}.get(text[:1])
-            if name and not text.startswith("--"):
+            # clang gives x != y by a rewritten == as a negation at "!=".
+            if name and not text.startswith(("--", "!=")):
                 self.add(cursor, f"without {text[:1]}",
                          [(start, 1, f"mutation::{name}({{id}}, "), (end, 0, ")")])
         elif cursor.kind in LITERALS and re.fullmatch(r"[0-9.][0-9a-fA-FxXeE.'+uUlLzZ-]*", text):

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Mutation test: changes one formula at a time and counts how many of these mutants a unit test notices.
 
     scripts/mutation_test.py WORK [--sample N] [--seed S] [--only FOLDER] [--again] [--jobs J]

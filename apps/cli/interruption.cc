@@ -58,6 +58,8 @@ Interruption::~Interruption() {
   command_can_stop = false;
 }
 
+// Asked of an object, so that it is only used while one lives.
+// NOLINTNEXTLINE(readability-convert-member-functions-to-static)
 bool Interruption::asked() const {
   return command_was_asked;
 }

@@ -21,7 +21,7 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  bool asked() const;  // NOLINT(readability-convert-member-functions-to-static): asked of the object
+  bool asked() const;
 };
 
 // Starts handling the signals. Must be called once, before the program starts other threads.
