@@ -43,6 +43,7 @@ TEST(ResidualsTest, AnErrorIsFoundAtItsRangeAndBeam) {
   EXPECT_NEAR(*by_beam.classes[1].sums.whole.bias(), 0.1 / 8.0, 1e-7);
   EXPECT_NEAR(*by_beam.classes[1].sums.whole.mean_absolute(), 0.3 / 8.0, 1e-7);
   EXPECT_NEAR(*by_beam.classes[1].from, -0.01 * 180.0 / 3.14159265358979, 1e-9);
+  EXPECT_NEAR(*by_beam.classes[1].to, 0.01 * 180.0 / 3.14159265358979, 1e-9);
 }
 
 TEST(ResidualsTest, TheMapIsCoarseAndLosesNoPixel) {
@@ -61,6 +62,11 @@ TEST(ResidualsTest, TheMapIsCoarseAndLosesNoPixel) {
   EXPECT_EQ(pixels, 130 * 70);
   EXPECT_EQ(map.cells(43, 34).whole.pixels, 2) << "the last row of cells holds one bin";
   EXPECT_NEAR(*map.cells(43, 34).whole.bias(), 0.25, 1e-7);
+
+  const PolarImage whole_cells = ImageOf(129, 70, 50.0F);
+  ResidualCollector of_whole_cells;
+  of_whole_cells.Add(whole_cells, whole_cells, Mask(129, 70), Mask(129, 70));
+  EXPECT_EQ(of_whole_cells.map().cells.rows(), 43);
 }
 
 TEST(ResidualsTest, FramesOfOtherAxesAreLeftOut) {
@@ -73,8 +79,8 @@ TEST(ResidualsTest, FramesOfOtherAxesAreLeftOut) {
 }
 
 TEST(ResidualsTest, PixelsWithoutMeasurementCountNowhere) {
-  const PolarImage real = ImageOf(2, 2, 50.0F), simulated = ImageOf(2, 2, 60.0F);
-  const Mask all(2, 2, 1), valid = MaskOf({"#.", "##"});
+  const PolarImage real = ImageOf(2, 3, 50.0F), simulated = ImageOf(2, 3, 60.0F);
+  const Mask all(2, 3, 1), valid = MaskOf({"#..", "###"});
   ResidualCollector residuals;
   residuals.Add(real, simulated, all, all, &valid);
   EXPECT_EQ(residuals.ByRange().classes[0].sums.whole.pixels, 1);

@@ -85,6 +85,13 @@ TEST(SsimTest, TheUnionHoldsWindowsWhoseMiddleIsObject) {
   EXPECT_EQ(ssim.whole.windows, 110 * 30);
 }
 
+TEST(SsimTest, FramesArePooledByTheirWindows) {
+  SsimSum sum{.windows = 3, .sum = 1.5};
+  sum += SsimSum{.windows = 1, .sum = 0.9};
+  EXPECT_EQ(sum.windows, 4);
+  EXPECT_DOUBLE_EQ(sum.mean().value(), 0.6);
+}
+
 TEST(SsimTest, AnImageSmallerThanAWindowHasNoValue) {
   const Grid<float> small(10, 40, 3.0f);
   const Mask none(10, 40);

@@ -46,6 +46,15 @@ TEST(DilatedByMetresTest, AMarginInMetresIsMoreBeamsWhereTheObjectIsNear) {
   EXPECT_EQ(CountSet(DilatedByMetres(Mask(4, 5), FiveBeams(), 1.0)), 0);
 }
 
+// Bins of 0.25 m, beams 10 degrees apart.
+TEST(DilatedByMetresTest, AMarginInMetresIsMoreBinsWhereTheyAreShort) {
+  const PolarAxes axes{1.0, 2.25, 5, {RadFromDeg(-10.0), 0.0, RadFromDeg(10.0)}};
+  const Mask object = MaskOf({"...", "...", ".#.", "...", "..."});
+  EXPECT_EQ(DilatedByMetres(object, axes, 0.24), object);
+  EXPECT_EQ(DilatedByMetres(object, axes, 0.25), MaskOf({"...", ".#.", ".#.", ".#.", "..."}));
+  EXPECT_EQ(CountSet(DilatedByMetres(object, axes, 0.51)), 15);
+}
+
 TEST(InsidePolygonTest, PixelsWhoseCentresLieInside) {
   EXPECT_EQ(InsidePolygon({{2.0, -1.5}, {2.0, 1.5}, {4.0, 1.5}, {4.0, -1.5}}, FiveBeams()),
             MaskOf({".....", ".###.", ".###.", "....."}));

@@ -87,6 +87,14 @@ TEST(DetectionScoresTest, CountsAboveAThreshold) {
   EXPECT_FALSE(Detection().iou());
 }
 
+TEST(DetectionScoresTest, DetectionsOfFramesAddUp) {
+  Detection sum{.true_positives = 6, .false_positives = 2, .false_negatives = 1};
+  sum += Detection{.true_positives = 2, .false_positives = 0, .false_negatives = 3};
+  EXPECT_DOUBLE_EQ(sum.precision().value(), 0.8);
+  EXPECT_DOUBLE_EQ(sum.recall().value(), 8.0 / 12.0);
+  EXPECT_DOUBLE_EQ(sum.iou().value(), 8.0 / 14.0);
+}
+
 TEST(PixelDetectorTest, FeaturesAreBoxMeansAndSpreads) {
   const Grid<float> value = testing::SpeckledBlock(3).value;
   const Grid<float> features = PixelFeatures(value, 255.0);
