@@ -98,28 +98,6 @@ inline double DisplayedCdf(const DisplayParameters<double>& display, double look
   return SpeckleCdf(looks, PowerFromDisplay(display, value) / power, law);
 }
 
-// Powers at the boundaries between the `steps` + 1 grey levels of a display.
-inline std::vector<double> GreyEdges(const DisplayParameters<double>& display, int steps) {
-  std::vector<double> edges;
-  edges.reserve(static_cast<std::size_t>(steps));
-  for (int k = 0; k < steps; ++k) edges.push_back(PowerFromDisplay(display, (k + 0.5) / steps));
-  return edges;
-}
-
-// Mean of the displayed value, clipped to 0..1 and rounded to multiples of 1 / steps: the sum over grey
-// levels of the probability of exceeding the boundary between two.
-inline double MeanDisplayedGrey(const std::vector<double>& edges, double looks, double power,
-                                SpeckleLaw law = SpeckleLaw::kGamma) {
-  double mean = 0.0;
-  for (const double edge : edges) mean += 1.0 - SpeckleCdf(looks, edge / power, law);
-  return mean / static_cast<double>(edges.size());
-}
-
-inline double MeanDisplayedGrey(const DisplayParameters<double>& display, double looks, double power,
-                                int steps, SpeckleLaw law = SpeckleLaw::kGamma) {
-  return MeanDisplayedGrey(GreyEdges(display, steps), looks, power, law);
-}
-
 // Mean of the displayed value, clipped to 0..1 and not rounded: black, and a midpoint rule over the values
 // above it. The laws other than kLog are steep at black, so the steps are short there:
 // value = black + (1 - black) t^3.
