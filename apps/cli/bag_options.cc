@@ -38,9 +38,8 @@ std::unique_ptr<RecordingSource> OpenWithBagOptions(const std::filesystem::path&
   std::error_code error;
   if (std::filesystem::exists(path, error) && !data_io::IsBag(path)) {
     throw UsageError(
-        "--topic, --sample-order and --mirror are for ROS bags, --picture-geometry for them and for "
-        "pictures, "
-        "expected one in place of {}",
+        "--topic, --sample-order and --mirror are for ROS bags, "
+        "--picture-geometry for them and for pictures, expected one in place of {}",
         path.string());
   }
   data_io::BagOptions options = arguments.bag;

@@ -88,8 +88,7 @@ void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only,
   command.add_flag("--surface", options.surface, "Add the water's surface to the tank");
 }
 
-cli::ExitStatus RunScenes(const ScenesOptions& given) {
-  ScenesOptions options = given;
+cli::ExitStatus RunScenes(ScenesOptions options) {
   options.environment.size =
       options.text_sizes ? sim::SizeVariant::kAlternative : sim::SizeVariant::kStandard;
   if (options.list) return ListScenes(options);

@@ -25,7 +25,7 @@ struct ScenesOptions {
   bool text_sizes = false;  // uses the sizes of the paper's text instead of its Table 5
 };
 
-cli::ExitStatus RunScenes(const ScenesOptions& given);
+cli::ExitStatus RunScenes(ScenesOptions options);
 
 // Returns parameters of the paper's model for every scene: its Table 4 for every material.
 ParameterSet EnvironmentParameters();

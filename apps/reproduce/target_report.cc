@@ -61,9 +61,8 @@ void AddModels(report::HtmlReport& report, const TargetComparison& target) {
   report::AddFitWarnings(report, target.paper.fit.report, "paper model");
   report.Add(RowTable(
       TargetRows(target), "The frame that was not fitted (recorded by a sonar), polar image",
-      {"Intensity errors are mean absolute differences of grey levels over full scale. The frames' levels "
-       "were "
-       "stretched over their own range before they were published.",
+      {"Intensity errors are mean absolute differences of grey levels over full scale. "
+       "The frames' grey levels were stretched over their own range before they were published.",
        fmt::format(
            "Speckled samples: means of {}. Take the occupancy of the acoustic model from them: no detector "
            "finds an object of speckle in an image without any, and the expected image's union is wide.",

@@ -239,8 +239,7 @@ std::string TakeDisplay(const ImageScale& scale, ParameterSet& parameters) {
 }
 
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
-                          const FitRecordingOptions& given) {
-  FitRecordingOptions options = given;
+                          FitRecordingOptions options) {
   options.config = calib::WithOutlineNamed(std::move(options.config), scene);
   const bool free_display = initial.model == EchoModel::kAcoustic && TakeFreeDisplay(options.config);
   const auto say = [&](const std::string& sentence) {

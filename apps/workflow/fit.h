@@ -127,7 +127,7 @@ std::vector<std::uint8_t> ValidPixels(const RecordingInfo& info, const std::opti
 // Each frame needs a pose. Throws DataError if the recording, the scene or the parameters cannot be used for
 // a fit. A fit without a usable solution is no error: `fit.usable` is false and there is no evaluation.
 RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, const ParameterSet& initial,
-                          const FitRecordingOptions& given);
+                          FitRecordingOptions options);
 
 struct FitOptions {
   FromFile<calib::FitConfig> config = {};

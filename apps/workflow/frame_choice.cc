@@ -89,9 +89,9 @@ bool NeedsFrameChoice(int frame_count, const FrameChoiceOptions& options) {
   return frame_count > options.limits.max_frames + options.limits.max_held_out;
 }
 
-ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_io::TimedPose>& timed,
+ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_io::TimedPose>& timed_poses,
                           const FrameChoiceOptions& options) {
-  const std::vector<Pose> poses = data_io::PosesAlone(timed);
+  const std::vector<Pose> poses = data_io::PosesAlone(timed_poses);
   std::vector<char> may_be_fitted(poses.size(), 1);
   if (options.held_out) {
     for (const int frame : *options.held_out) may_be_fitted[frame] = 0;

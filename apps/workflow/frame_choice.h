@@ -70,7 +70,7 @@ struct ChosenFrames {
 bool NeedsFrameChoice(int frame_count, const FrameChoiceOptions& options);
 
 // Chooses frames. If the parameters expect no echo from any pose, it spreads them evenly and says so.
-ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_io::TimedPose>& timed,
+ChosenFrames ChooseFrames(const FrameChoiceScene& known, const std::vector<data_io::TimedPose>& timed_poses,
                           const FrameChoiceOptions& options = {});
 
 }  // namespace sonarcal::workflow

@@ -19,10 +19,7 @@ void StartAt(const calib::FitReport& found, calib::FitConfig& config) {
   }
 }
 
-Trial HeldOutTrials::Try(const ParameterSet& parameters, const calib::FitConfig& given,
-                         const calib::FitOptions& given_options) {
-  calib::FitConfig config = given;
-  calib::FitOptions options = given_options;
+Trial HeldOutTrials::Try(const ParameterSet& parameters, calib::FitConfig config, calib::FitOptions options) {
   if (options.starts > 1) {
     calib::FitOptions search = options;
     search.standard_errors = false;

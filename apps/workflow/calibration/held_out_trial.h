@@ -31,8 +31,7 @@ class HeldOutTrials {
 
   // Fits and evaluates. The poses of the held-out frames are fitted too if those of the others are free. A
   // fit with several starts begins with Search.
-  Trial Try(const ParameterSet& parameters, const calib::FitConfig& given,
-            const calib::FitOptions& given_options);
+  Trial Try(const ParameterSet& parameters, calib::FitConfig config, calib::FitOptions options);
 
   // Fits to blocks of pixels of about half a speckle cell: a search that is quicker by as many pixels.
   calib::AcousticFit Search(const ParameterSet& parameters, const calib::FitConfig& config,

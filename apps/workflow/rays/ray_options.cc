@@ -32,9 +32,8 @@ void CheckColumns(const sim::RayFanOptions& fan, const SonarModel& sonar,
   }
   if (!rays || fan.sampling != sim::Sampling::kBeams || fan.cols >= beams) return;
   throw UsageError(
-      "--rays {}x{} has fewer columns than the {} beams of the sonar, expected at least {}, best a multiple "
-      "of "
-      "it, or --sampling frustum",
+      "--rays {}x{} has fewer columns than the {} beams of the sonar, "
+      "expected at least {}, best a multiple of it, or --sampling frustum",
       rays->cols, rays->rows, beams, beams);
 }
 
