@@ -27,7 +27,7 @@ std::vector<PublicRecording::Path> ArisSdkPaths() {
 }  // namespace
 
 const std::vector<PublicRecording>& RecordingCatalogue() {
-  static const std::vector<PublicRecording> catalogue = {
+  static const std::vector<PublicRecording> kCatalogue = {
       {.name = "aris1200_telephoto",
        .sensor = "Sound Metrics ARIS 1200, telephoto lens",
        .shows = "a river, 6 frames of 48 beams x 2000 samples; native file, no poses",
@@ -152,7 +152,7 @@ const std::vector<PublicRecording>& RecordingCatalogue() {
        .witness = {},
        .witness_sha256 = {}},
   };
-  return catalogue;
+  return kCatalogue;
 }
 
 RecordingPresence PresenceOf(const PublicRecording& recording, const fs::path& recordings) {

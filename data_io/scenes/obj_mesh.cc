@@ -100,7 +100,7 @@ class ObjReader {
     }
     if (count == 4 && numbers[3] != 1.0) Refuse("a vertex of weight {:g}, expected none or 1", numbers[3]);
     if (vertices_.size() == kMaxObjVertices) Refuse("more than {} vertices", kMaxObjVertices);
-    vertices_.push_back(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]).cast<float>());
+    vertices_.emplace_back(Eigen::Vector3d(numbers[0], numbers[1], numbers[2]).cast<float>());
   }
 
   // The vertex that "7", "7/1", "7//3" or "7/1/3" names.
@@ -118,7 +118,7 @@ class ObjReader {
       if (part == 2) Refuse("'{}' in a face, expected at most 3 indices a corner", Printable(whole, 30));
       word.remove_prefix(slash + 1);
     }
-    const long long count = static_cast<long long>(vertices_.size());
+    const auto count = static_cast<long long>(vertices_.size());
     if (index[0] == 0) Refuse("vertex 0 in a face, expected 1 or more, or -1 or less");
     if (index[0] < -count || index[0] > count) {
       Refuse("vertex {} in a face, but {} stand before it", index[0], count);
@@ -133,7 +133,7 @@ class ObjReader {
     for (std::string_view word = TakeWord(rest); !word.empty(); word = TakeWord(rest)) {
       if (corners.size() == kMaxFaceCorners) Refuse("a face of more than {} corners", kMaxFaceCorners);
       vertices.push_back(Corner(word));
-      corners.push_back(vertices.back().cast<double>());
+      corners.emplace_back(vertices.back().cast<double>());
     }
     if (corners.size() < 3) Refuse("a face of {} corners, expected 3 or more", corners.size());
     const auto triangles = DividePolygon(corners);
