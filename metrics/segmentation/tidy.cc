@@ -13,16 +13,28 @@ cv::Mat1b PixelsOf(Mask& mask) {
   return {mask.rows(), mask.cols(), mask.values().data()};
 }
 
+enum class Morphology { kOpen, kClose };
+
 // Morphological operation with no object beyond the image. OpenCV's own border would let closing extend an
-// object to the edge.
-void Morph(Mask& mask, cv::MorphTypes operation, int rows, int cols) {
+// object to the edge. The second step has the mirrored anchor: with one anchor for both, as in
+// cv::morphologyEx, an object would move by a pixel if a side of the rectangle is even.
+void Morph(Mask& mask, Morphology operation, int rows, int cols) {
   if (rows <= 1 && cols <= 1) return;
   const cv::Size size(std::max(1, cols), std::max(1, rows));
   cv::Mat1b pixels = PixelsOf(mask);
   cv::Mat1b padded;
   cv::copyMakeBorder(pixels, padded, size.height, size.height, size.width, size.width, cv::BORDER_CONSTANT,
                      0);
-  cv::morphologyEx(padded, padded, operation, cv::getStructuringElement(cv::MORPH_RECT, size));
+  const cv::Mat rectangle = cv::getStructuringElement(cv::MORPH_RECT, size);
+  const cv::Point anchor(size.width / 2, size.height / 2);
+  const cv::Point mirrored(size.width - 1 - anchor.x, size.height - 1 - anchor.y);
+  if (operation == Morphology::kOpen) {
+    cv::erode(padded, padded, rectangle, anchor);
+    cv::dilate(padded, padded, rectangle, mirrored);
+  } else {
+    cv::dilate(padded, padded, rectangle, anchor);
+    cv::erode(padded, padded, rectangle, mirrored);
+  }
   padded(cv::Rect(size.width, size.height, mask.cols(), mask.rows())).copyTo(pixels);
 }
 
@@ -81,8 +93,8 @@ void Fill(Mask& mask, RegionFill fill) {
 
 void Tidy(Mask& object, const Mask& may_be_object, const SegmentationOptions& options) {
   if (object.empty()) return;
-  Morph(object, cv::MORPH_OPEN, options.open_rows, options.open_cols);
-  Morph(object, cv::MORPH_CLOSE, options.close_rows, options.close_cols);
+  Morph(object, Morphology::kOpen, options.open_rows, options.open_cols);
+  Morph(object, Morphology::kClose, options.close_rows, options.close_cols);
   // Closing may have added pixels that cannot be object.
   KeepWithin(object, may_be_object);
   KeepComponents(object, options);

@@ -198,6 +198,126 @@ TEST(SegmentationTest, AMedianRemovesASinglePixel) {
       0);
 }
 
+// A Gaussian of standard deviation 0.5 leaves 79 % in the middle and gives 11 % to each neighbour.
+TEST(SegmentationTest, ABlurAlongOneAxisLeavesTheOtherAlone) {
+  const Mask pixel = MaskOf({".....", ".....", "..#..", ".....", "....."});
+  SegmentationOptions options = FixedAt(0.1);
+  options.blur_rows = 0.5;
+  EXPECT_EQ(Segment(BrightWhere(pixel, 0.0f, 255.0f), 255.0, options).object,
+            MaskOf({".....", "..#..", "..#..", "..#..", "....."}));
+  options.threshold_fraction = 0.11;
+  EXPECT_EQ(Segment(BrightWhere(pixel, 0.0f, 255.0f), 255.0, options).object, pixel);
+  options.threshold_fraction = 0.79;
+  EXPECT_EQ(CountSet(Segment(BrightWhere(pixel, 0.0f, 255.0f), 255.0, options).object), 0);
+  options = FixedAt(0.1);
+  options.blur_cols = 0.5;
+  EXPECT_EQ(Segment(BrightWhere(pixel, 0.0f, 255.0f), 255.0, options).object,
+            MaskOf({".....", ".....", ".###.", ".....", "....."}));
+}
+
+// The mean of valid neighbours only, by the sum over them.
+TEST(SegmentationTest, ABlurWeighsOnlyValidPixels) {
+  const Grid<float> value = GridOf({{40.0f, 80.0f, 240.0f, 120.0f, 20.0f}});
+  const Mask valid = MaskOf({"##.##"});
+  SegmentationOptions options = FixedAt(0.0);
+  options.blur_cols = 1.0;
+  const auto blurred = [&](int col) {
+    double sum = 0.0, weights = 0.0;
+    for (int mirrored = col - 4; mirrored <= col + 4; ++mirrored) {
+      const int other = mirrored < 0 ? -mirrored : mirrored > 4 ? 8 - mirrored : mirrored;  // OpenCV's border
+      if (valid(0, other) == 0) continue;
+      const double weight = std::exp(-0.5 * (mirrored - col) * (mirrored - col));
+      sum += weight * value(0, other);
+      weights += weight;
+    }
+    return sum / weights;
+  };
+  for (const int col : {0, 1, 3, 4}) {
+    options.threshold_fraction = (blurred(col) - 0.1) / 255.0;
+    EXPECT_TRUE(Segment(value, 255.0, options, nullptr, &valid).object(0, col)) << col;
+    options.threshold_fraction = (blurred(col) + 0.1) / 255.0;
+    EXPECT_FALSE(Segment(value, 255.0, options, nullptr, &valid).object(0, col)) << col;
+  }
+}
+
+TEST(SegmentationTest, ValuesWithinAHundredThousandthOfFullScaleAreEqual) {
+  for (const double full_scale : {1.0, 255.0, 4000.0}) {
+    const auto low = static_cast<float>(0.5 * full_scale);
+    const auto just = static_cast<float>(0.5 * full_scale * (1.0 + 1.5e-5));
+    const auto more = static_cast<float>(0.5 * full_scale * (1.0 + 4e-5));
+    for (const SegmentationMethod method : {SegmentationMethod::kOtsu, SegmentationMethod::kLocalContrast}) {
+      SegmentationOptions options = Bare(method);
+      options.contrast = 0.0;
+      Grid<float> value(20, 20, low);
+      value(10, 10) = just;
+      EXPECT_EQ(CountSet(Segment(value, full_scale, options).object), 0) << full_scale;
+      value(10, 10) = more;
+      EXPECT_EQ(CountSet(Segment(value, full_scale, options).object), 1) << full_scale;
+    }
+  }
+}
+
+TEST(SegmentationTest, EachLimitOfAComponentCountsAlone) {
+  const Mask all = MaskOf({"#.....", "......", "###..#", ".....#", ".....#"});
+  SegmentationOptions options = FixedAt(0.5);
+  options.min_area_px = 2;
+  EXPECT_EQ(Segment(BrightWhere(all), 255.0, options).object,
+            MaskOf({"......", "......", "###..#", ".....#", ".....#"}));
+  options.min_area_px = 3;
+  EXPECT_EQ(CountSet(Segment(BrightWhere(all), 255.0, options).object), 6);
+  options.min_area_px = 4;
+  EXPECT_EQ(CountSet(Segment(BrightWhere(all), 255.0, options).object), 0);
+  options = FixedAt(0.5);
+  options.max_rows = 1;
+  EXPECT_EQ(Segment(BrightWhere(all), 255.0, options).object,
+            MaskOf({"#.....", "......", "###...", "......", "......"}));
+  options = FixedAt(0.5);
+  options.max_cols = 1;
+  EXPECT_EQ(Segment(BrightWhere(all), 255.0, options).object,
+            MaskOf({"#.....", "......", ".....#", ".....#", ".....#"}));
+}
+
+TEST(SegmentationTest, OfEqualComponentsTheFirstFromTheTopIsKept) {
+  SegmentationOptions options = FixedAt(0.5);
+  options.largest_component_only = true;
+  EXPECT_EQ(
+      Segment(BrightWhere(MaskOf({".....", "...##", ".....", "##...", "....."})), 255.0, options).object,
+      MaskOf({".....", "...##", ".....", ".....", "....."}));
+}
+
+TEST(SegmentationTest, OpeningAndClosingMayActAlongOneAxis) {
+  const Mask cross = MaskOf({"..#..", "..#..", "#####", "..#..", "..#.."});
+  SegmentationOptions options = FixedAt(0.5);
+  options.open_rows = 3;
+  EXPECT_EQ(Segment(BrightWhere(cross), 255.0, options).object,
+            MaskOf({"..#..", "..#..", "..#..", "..#..", "..#.."}));
+  options = FixedAt(0.5);
+  options.open_cols = 3;
+  EXPECT_EQ(Segment(BrightWhere(cross), 255.0, options).object,
+            MaskOf({".....", ".....", "#####", ".....", "....."}));
+  options = FixedAt(0.5);
+  options.close_cols = 3;
+  EXPECT_EQ(Segment(BrightWhere(MaskOf({"#.#..", "....."})), 255.0, options).object,
+            MaskOf({"###..", "....."}));
+}
+
+// A closing only adds and an opening only removes pixels, so neither moves an object.
+TEST(SegmentationTest, RectanglesOfEvenSizeDoNotMoveAnObject) {
+  const Mask object = MaskOf({"........", "..####..", "..####..", "..####..", "..####..", "........"});
+  for (const int size : {2, 4}) {
+    SegmentationOptions options = FixedAt(0.5);
+    options.open_rows = options.open_cols = size;
+    EXPECT_EQ(Segment(BrightWhere(object), 255.0, options).object, object);
+    options = FixedAt(0.5);
+    options.close_rows = options.close_cols = size;
+    EXPECT_EQ(Segment(BrightWhere(object), 255.0, options).object, object);
+  }
+  SegmentationOptions options = FixedAt(0.5);
+  options.close_cols = 2;
+  EXPECT_EQ(Segment(BrightWhere(MaskOf({"#.#..", "....."})), 255.0, options).object,
+            MaskOf({"###..", "....."}));
+}
+
 TEST(SegmentationTest, TheBordersOfAFanDoNotDarkenTheirNeighbours) {
   const FanMap map(testing::SmallAxes(120, 40));
   PolarImage bright{testing::SmallAxes(120, 40), {}, Grid<float>(120, 40, 100.0f)};
