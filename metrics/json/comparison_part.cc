@@ -12,18 +12,18 @@
 #include <utility>
 
 #include "core/types/error.h"
+#include "data_io/files/hash.h"
 
 namespace sonarcal::metrics {
 namespace {
 
-constexpr std::uint64_t kMaxCount = 1UL << 32U;
-
 std::string Header() {
-  return fmt::format("sonarcal-comparison-part/1 {} {} {}\n", sizeof(ViewMetrics), sizeof(ResidualSums),
+  return fmt::format("sonarcal-comparison-part/2 {} {} {}\n", sizeof(ViewMetrics), sizeof(ResidualSums),
                      sizeof(std::size_t));
 }
 
-// Writes or reads values one after the other. Visit() below has one order for both.
+// Writes or reads values one after the other. Visit() below has one order for both. Count() returns the
+// number of items of a list, of which each has at least `item_bytes` bytes in the file.
 class Writer {
  public:
   template <typename T>
@@ -36,8 +36,7 @@ class Writer {
     static_assert(std::is_trivially_copyable_v<T>);
     bytes_.append(reinterpret_cast<const char*>(values), count * sizeof(T));
   }
-  // Returns the number of items of a list.
-  std::size_t Count(std::size_t count) {
+  std::size_t Count(std::size_t count, std::size_t /*item_bytes*/) {
     Plain(std::uint64_t{count});
     return count;
   }
@@ -59,10 +58,10 @@ class Reader {
     if (count > 0) std::memcpy(values, bytes_.data(), count * sizeof(T));
     bytes_.remove_prefix(count * sizeof(T));
   }
-  std::size_t Count(std::size_t /*unknown*/) {
+  std::size_t Count(std::size_t /*unknown*/, std::size_t item_bytes) {
     std::uint64_t count = 0;
     Plain(count);
-    Need(count, 1);
+    Need(count, item_bytes);
     return count;
   }
   void Finish() const {
@@ -70,8 +69,8 @@ class Reader {
   }
 
  private:
-  void Need(std::uint64_t count, std::size_t size) const {
-    if (count > kMaxCount || count * size > bytes_.size())
+  void Need(std::uint64_t count, std::size_t item_bytes) const {
+    if (count > bytes_.size() / item_bytes)
       throw DataError("{}: ends in the middle, expected a whole part of a comparison", name_);
   }
 
@@ -81,19 +80,22 @@ class Reader {
 
 template <typename Archive, typename T>
 void List(Archive& archive, std::vector<T>& values) {
-  values.resize(archive.Count(values.size()));
+  values.resize(archive.Count(values.size(), sizeof(T)));
   archive.Array(values.data(), values.size());
 }
 
 template <typename Archive>
 void Text(Archive& archive, std::string& text) {
-  text.resize(archive.Count(text.size()));
+  text.resize(archive.Count(text.size(), 1));
   archive.Array(text.data(), text.size());
 }
 
+// Items of lists and texts, each of which has its count in the file.
+constexpr std::size_t kCountBytes = sizeof(std::uint64_t);
+
 template <typename Archive, typename T, typename Each>
-void ListOf(Archive& archive, std::vector<T>& values, const Each& each) {
-  values.resize(archive.Count(values.size()));
+void ListOf(Archive& archive, std::vector<T>& values, std::size_t item_bytes, const Each& each) {
+  values.resize(archive.Count(values.size(), item_bytes));
   for (T& value : values) each(value);
 }
 
@@ -106,7 +108,7 @@ void Visit(Archive& archive, FrameMetrics& frame) {
   archive.Plain(frame.fan);
   archive.Plain(frame.threshold_real);
   archive.Plain(frame.threshold_simulated);
-  ListOf(archive, frame.notes, [&](std::string& note) { Text(archive, note); });
+  ListOf(archive, frame.notes, kCountBytes, [&](std::string& note) { Text(archive, note); });
   archive.Plain(frame.object_box);
   List(archive, frame.sweep);
 }
@@ -124,7 +126,7 @@ template <typename Archive>
 void Visit(Archive& archive, ResidualTable& table) {
   Text(archive, table.by);
   Text(archive, table.unit);
-  ListOf(archive, table.classes, [&](ResidualClass& of) {
+  ListOf(archive, table.classes, sizeof(ResidualSums), [&](ResidualClass& of) {
     Text(archive, of.name);
     archive.Plain(of.from);
     archive.Plain(of.to);
@@ -147,10 +149,12 @@ void Visit(Archive& archive, ResidualCollector& residuals) {
         List(archive, by_beam);
         archive.Plain(map.bins);
         archive.Plain(map.beams);
-        const auto rows = static_cast<int>(archive.Count(map.cells.rows()));
-        const auto cols = static_cast<int>(archive.Count(map.cells.cols()));
-        if (map.cells.rows() != rows || map.cells.cols() != cols) map.cells = Grid<ResidualSums>(rows, cols);
-        archive.Array(map.cells.values().data(), map.cells.size());
+        const std::size_t cols = archive.Count(map.cells.cols(), sizeof(ResidualSums));
+        const std::size_t rows = archive.Count(map.cells.rows(), std::max(cols, 1UL) * sizeof(ResidualSums));
+        Grid<ResidualSums> cells(static_cast<int>(rows), static_cast<int>(cols));
+        std::ranges::copy(map.cells.values(), cells.values().begin());
+        archive.Array(cells.values().data(), cells.size());
+        map.cells = std::move(cells);
       });
 }
 
@@ -158,12 +162,12 @@ template <typename Archive>
 void Visit(Archive& archive, ComparisonPart& part) {
   Text(archive, part.compared);
   Text(archive, part.simulated);
-  ListOf(archive, part.frames, [&](FrameMetrics& frame) { Visit(archive, frame); });
+  ListOf(archive, part.frames, sizeof(ViewMetrics), [&](FrameMetrics& frame) { Visit(archive, frame); });
   Visit(archive, part.levels.polar);
   Visit(archive, part.levels.fan);
   Visit(archive, part.residuals);
-  ListOf(archive, part.residuals_by_scene, [&](ResidualTable& table) { Visit(archive, table); });
-  ListOf(archive, part.notes, [&](std::string& note) { Text(archive, note); });
+  ListOf(archive, part.residuals_by_scene, kCountBytes, [&](ResidualTable& table) { Visit(archive, table); });
+  ListOf(archive, part.notes, kCountBytes, [&](std::string& note) { Text(archive, note); });
 }
 
 void AddTables(const std::vector<ResidualTable>& from, std::vector<ResidualTable>& to) {
@@ -171,9 +175,14 @@ void AddTables(const std::vector<ResidualTable>& from, std::vector<ResidualTable
     to = from;
     return;
   }
-  for (std::size_t i = 0; i < std::min(from.size(), to.size()); ++i) {
-    for (std::size_t k = 0; k < std::min(from[i].classes.size(), to[i].classes.size()); ++k)
-      to[i].classes[k].sums += from[i].classes[k].sums;
+  const auto check_sizes = [](const auto& a, const auto& b) {
+    if (a.size() == b.size()) return;
+    throw DataError("parts have {} and {} classes of residuals, expected as many", a.size(), b.size());
+  };
+  check_sizes(from, to);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    check_sizes(from[i].classes, to[i].classes);
+    for (std::size_t k = 0; k < from[i].classes.size(); ++k) to[i].classes[k].sums += from[i].classes[k].sums;
   }
 }
 
@@ -190,7 +199,7 @@ std::string ComparisonPartBytes(const ComparisonPart& part) {
   Writer writer;
   ComparisonPart copy = part;  // one order of members for both directions
   Visit(writer, copy);
-  return Header() + writer.bytes_;
+  return Header() + data_io::Sha256(writer.bytes_) + writer.bytes_;
 }
 
 ComparisonPart ParseComparisonPart(std::string_view bytes, const std::string& name) {
@@ -199,7 +208,14 @@ ComparisonPart ParseComparisonPart(std::string_view bytes, const std::string& na
     throw DataError("{}: is no part of a comparison by this version of the program, expected '{}'", name,
                     header.substr(0, header.size() - 1));
   }
-  Reader reader(bytes.substr(header.size()), name);
+  constexpr std::size_t kHashDigits = 64;
+  const std::string_view hash = bytes.substr(header.size(), kHashDigits);
+  bytes.remove_prefix(header.size() + hash.size());
+  if (hash != data_io::Sha256(bytes)) {
+    throw DataError("{}: is damaged: its bytes do not have the hash that it states, expected a whole part",
+                    name);
+  }
+  Reader reader(bytes, name);
   ComparisonPart part;
   Visit(reader, part);
   reader.Finish();

@@ -2,8 +2,8 @@
 // programs measured are merged to what one program would have measured: counts, sums per frame and grey
 // levels are exactly the same.
 //
-// The file serves the program that wrote it, on machines of one kind: numbers are stored as in memory.
-// Another version refuses it.
+// The file serves the program that wrote it, on machines of one kind: numbers are stored as in memory, behind
+// their SHA-256. Another version refuses it, and any version refuses a damaged one.
 #pragma once
 
 #include <string>
@@ -30,7 +30,8 @@ struct ComparisonPart {
 
 std::string ComparisonPartBytes(const ComparisonPart& part);
 
-// Throws DataError that begins with `name` if the bytes are no part, or one of another version.
+// Throws DataError that begins with `name` if the bytes are no part, a damaged one, or one of another
+// version.
 ComparisonPart ParseComparisonPart(std::string_view bytes, const std::string& name);
 
 // Merges parts in the order of their frames. Throws DataError if they are of different comparisons or if a

@@ -78,7 +78,7 @@ struct ObjectLevels {
   std::int64_t simulated_pixels = 0;
   double simulated = 0.0;
 
-  // mean s - mean r|; none if either region is empty.
+  // |mean s - mean r|; none if either region is empty.
   std::optional<double> mean_difference() const;
   ObjectLevels& operator+=(const ObjectLevels& other);
 };
