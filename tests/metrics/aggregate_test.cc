@@ -143,6 +143,13 @@ TEST(AggregateTest, FramesThatFollowInTimeAreDrawnInBlocks) {
   std::vector<FrameMetrics> shuffled = FramesThatResembleEachOther(200, 5, true);
   std::swap(shuffled[3].time_s, shuffled[4].time_s);
   EXPECT_FALSE(AggregateFrames(shuffled).in_time);
+  std::vector<FrameMetrics> two = FramesThatResembleEachOther(2, 5, true);
+  EXPECT_TRUE(AggregateFrames(two).in_time);
+  two[1].time_s = two[0].time_s;
+  EXPECT_FALSE(AggregateFrames(two).in_time) << "of one time";
+  two[1].time_s.reset();
+  EXPECT_FALSE(AggregateFrames(two).in_time);
+  EXPECT_FALSE(AggregateFrames(FramesThatResembleEachOther(1, 5, true)).in_time);
 }
 
 TEST(AggregateTest, EqualFramesHaveAnIntervalOfNoWidth) {

@@ -68,6 +68,71 @@ TEST(BootstrapTest, BlocksAreAsLongAsTheTheoryOfAnAutoregressionAsks) {
   }
 }
 
+// The rule of Politis & White (2004, Sections 3 and 3.2) with the correction of 2009, as written there.
+int BlockLengthAsPublished(const std::vector<double>& series) {
+  const int count = static_cast<int>(series.size());
+  const double n = count;
+  double mean = 0.0;
+  for (const double value : series) mean += value / n;
+  const auto r = [&](int k) {
+    double sum = 0.0;
+    for (int t = 0; t < count - std::abs(k); ++t)
+      sum += (series[t] - mean) * (series[t + std::abs(k)] - mean);
+    return sum / n;
+  };
+  // m: the smallest lag that is followed by quiet ones only.
+  const int quiet = std::max(5, static_cast<int>(std::ceil(std::sqrt(std::log10(n)))));
+  const int last = std::min(count - 1, static_cast<int>(std::ceil(std::sqrt(n))) + quiet);
+  const auto is_quiet = [&](int k) {
+    return k > last || std::abs(r(k) / r(0)) <= 2.0 * std::sqrt(std::log10(n) / n);
+  };
+  int m = 0;
+  const auto quiet_after = [&] {
+    for (int k = 1; k <= quiet; ++k) {
+      if (!is_quiet(m + k)) return false;
+    }
+    return true;
+  };
+  while (!quiet_after()) ++m;
+  const int window = std::min(2 * m, last);
+  double g_hat = 0.0;
+  double g_of_0 = 0.0;
+  for (int k = -window; k <= window; ++k) {
+    const double t = window == 0 ? 0.0 : std::abs(static_cast<double>(k) / window);
+    const double lambda = t <= 0.5 ? 1.0 : 2.0 * (1.0 - t);
+    g_hat += lambda * std::abs(k) * r(k);
+    g_of_0 += lambda * r(k);
+  }
+  const double d = 4.0 / 3.0 * g_of_0 * g_of_0;
+  const double length = std::pow(2.0 * g_hat * g_hat / d, 1.0 / 3.0) * std::pow(n, 1.0 / 3.0);
+  const double longest = std::ceil(std::min(3.0 * std::sqrt(n), n / 3.0));
+  return static_cast<int>(std::max(1.0, std::min(std::ceil(length), longest)));
+}
+
+TEST(BootstrapTest, BlockLengthsAreThoseOfThePublishedRule) {
+  std::mt19937_64 random(8);
+  std::vector<int> lengths;
+  for (const double phi : {-0.6, 0.0, 0.3, 0.7, 0.9, 0.98}) {
+    for (const int count : {3, 4, 5, 6, 7, 9, 12, 17, 25, 40, 64, 150, 400}) {
+      for (int i = 0; i < 10; ++i) {
+        const std::vector<double> series = Autoregressive(count, phi, random);
+        lengths.push_back(PolitisWhiteBlockLength(series));
+        EXPECT_EQ(lengths.back(), BlockLengthAsPublished(series)) << "phi " << phi << ", " << count;
+      }
+    }
+  }
+  EXPECT_EQ(*std::ranges::min_element(lengths), 1);
+  EXPECT_GE(*std::ranges::max_element(lengths), 30);
+}
+
+TEST(BootstrapTest, RoundingIsNoCorrelation) {
+  for (const double value : {0.1, 1e9 / 3.0, 1e-9 / 7.0}) {
+    for (const int count : {7, 49, 200}) {
+      EXPECT_EQ(PolitisWhiteBlockLength(std::vector<double>(count, value)), 1) << value << ", " << count;
+    }
+  }
+}
+
 TEST(BootstrapTest, SeriesWithoutCorrelationNeedNoBlocks) {
   std::mt19937_64 random(2);
   int alone = 0;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -140,6 +141,35 @@ TEST(CompareTest, TheRegionOfInterestMustFitTheImage) {
   EXPECT_THAT(nothing.notes, ElementsAre("no object was found in the real frame",
                                          "no object was found in the simulated frame"));
   EXPECT_EQ(nothing.polar.intensity.union_region.mean_absolute(), std::nullopt);
+}
+
+TEST(CompareTest, LimitsOfTheOptionsAreThoseOfTheirComments) {
+  const auto is_refused = [](auto member, double value) {
+    CompareOptions options;
+    options.*member = value;
+    try {
+      options.Check();
+    } catch (const DataError&) {
+      return true;
+    }
+    return false;
+  };
+  for (const double valid : {0.0, 1.0}) EXPECT_FALSE(is_refused(&CompareOptions::echo_fraction, valid));
+  for (const double valid : {0.0, 100.0}) EXPECT_FALSE(is_refused(&CompareOptions::region_margin_m, valid));
+  for (const double valid : {0.0, 1e3}) EXPECT_FALSE(is_refused(&CompareOptions::db_tolerance, valid));
+  for (const double wrong : {-1e-9, 1.0001}) EXPECT_TRUE(is_refused(&CompareOptions::echo_fraction, wrong));
+  for (const double wrong : {-1e-9, 100.01}) EXPECT_TRUE(is_refused(&CompareOptions::region_margin_m, wrong));
+  EXPECT_TRUE(is_refused(&CompareOptions::db_tolerance, -1e-9));
+  EXPECT_TRUE(is_refused(&CompareOptions::db_tolerance, std::nan("")));
+}
+
+TEST(CompareTest, DecibelsWithinTheToleranceAreEqual) {
+  PolarImage real = SpeckledBlock(1), simulated = SpeckledBlock(2);
+  real.scale.db_span = 80.0;
+  simulated.scale.db_span = 80.25;
+  EXPECT_NO_THROW(CheckComparable(real, simulated, 0.25));
+  EXPECT_THROW(CheckComparable(real, simulated, 0.2), DataError);
+  EXPECT_THROW(CheckComparable(simulated, real, 0.2), DataError);
 }
 
 // Corners that a viewer's picture does not show hold zeros in the one image and anything in the other.

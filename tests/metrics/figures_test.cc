@@ -83,6 +83,17 @@ TEST(FiguresTest, AnImageAgainstItselfIsBestByEveryFigure) {
   EXPECT_GE(judged, 40);
 }
 
+TEST(FiguresTest, ASpeckleRatioNeedsSpeckleInTheRecording) {
+  const Figure& ratio = Figures()[FigureIndex("speckle.background.scintillation_ratio")];
+  ViewMetrics view;
+  view.speckle.real_background = {.blocks = 1, .relative_variance = 0.5};
+  EXPECT_FALSE(ratio.Of(view)) << "no block of the simulation";
+  view.speckle.simulated_background = {.blocks = 2, .relative_variance = 0.5};
+  EXPECT_NEAR(ratio.Of(view).value(), 0.25 / (1.0 - 0.25 / 128.0) * (1.0 - 0.5 / 128.0) / 0.5, 1e-12);
+  view.speckle.real_background.relative_variance = 0.0;
+  EXPECT_FALSE(ratio.Of(view)) << "an even recording";
+}
+
 TEST(FiguresTest, AFanHasEveryFigureButSpeckle) {
   PolarImage real = SpeckledBlock(1, 40.0);
   PolarImage simulated = SpeckledBlock(2, 40.0);

@@ -77,6 +77,115 @@ TEST(SpeckleTest, TheWidthOfGrainIsThatOfItsAutocorrelation) {
   EXPECT_NEAR(sums.scintillation_index().value(), 1.0, 0.05) << "low by the grain's area over the block's";
 }
 
+// Sums by their definition: for each block the mean product of the deviations at a lag, over the pairs of
+// pixels that far apart, plus the variance of the block's mean.
+SpeckleSums SumsByDefinition(const Grid<float>& image, double span_db, const Mask& region, int step) {
+  SpeckleSums sums;
+  for (int first_bin = 0; first_bin <= image.rows() - 16; first_bin += 16 / step) {
+    for (int first_beam = 0; first_beam <= image.cols() - 8; first_beam += 8 / step) {
+      std::vector<double> power;
+      bool is_inside = true;
+      for (int i = 0; i < 128; ++i) {
+        const int bin = first_bin + i / 8, beam = first_beam + i % 8;
+        is_inside = is_inside && region(bin, beam) != 0;
+        power.push_back(std::pow(10.0, span_db / 10.0 * image(bin, beam) / 255.0));
+      }
+      if (!is_inside) continue;
+      double mean = 0.0;
+      for (const double p : power) mean += p / 128.0;
+      double variance = 0.0;
+      for (const double p : power) variance += std::pow(p / mean - 1.0, 2) / 127.0;
+      const auto covariance = [&](int bins, int beams) {
+        double sum = 0.0, pairs = 0.0;
+        for (int i = 0; i < 128; ++i) {
+          if (i / 8 + bins >= 16 || i % 8 + beams >= 8) continue;
+          sum += (power[i] / mean - 1.0) * (power[i + 8 * bins + beams] / mean - 1.0);
+          ++pairs;
+        }
+        return sum / pairs + variance / 128.0;
+      };
+      ++sums.blocks;
+      sums.relative_variance += variance;
+      for (int lag = 1; lag <= 8; ++lag) sums.along_range[lag - 1] += covariance(lag, 0);
+      for (int lag = 1; lag <= 4; ++lag) sums.along_azimuth[lag - 1] += covariance(0, lag);
+    }
+  }
+  return sums;
+}
+
+TEST(SpeckleTest, SumsAreThoseOfTheirDefinition) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<float> grey(60.0F, 250.0F);
+  Grid<float> image(40, 21);  // the last 8 bins and 5 beams fill no block
+  for (float& value : image.values()) value = grey(random);
+  // Neighbours resemble each other, along range more than along azimuth.
+  for (int bin = 1; bin < 40; ++bin) {
+    for (int beam = 1; beam < 21; ++beam) {
+      image(bin, beam) =
+          0.25F * image(bin, beam) + 0.5F * image(bin - 1, beam) + 0.25F * image(bin, beam - 1);
+    }
+  }
+  Mask region(40, 21, 1);
+  region(31, 4) = 0;
+  for (const int step : {1, 2}) {
+    const SpeckleSums sums = MeasureSpeckleIn(image, EightyDb(), region, step);
+    const SpeckleSums expected = SumsByDefinition(image, 80.0, region, step);
+    EXPECT_EQ(sums.blocks, step == 1 ? 3 : 12);
+    EXPECT_EQ(sums.blocks, expected.blocks);
+    EXPECT_NEAR(sums.relative_variance, expected.relative_variance, 1e-10);
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(sums.along_range[i], expected.along_range[i], 1e-10) << i;
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_NEAR(sums.along_azimuth[i], expected.along_azimuth[i], 1e-10) << i;
+  }
+}
+
+TEST(SpeckleTest, AWidthIsReadBetweenTheLagsAroundOneHalf) {
+  SpeckleSums sums{.blocks = 2, .relative_variance = 2.0};
+  sums.along_range = {1.8, 1.6, 1.4, 1.2, 0.8, 0.0, 0.0, 0.0};
+  EXPECT_DOUBLE_EQ(sums.range_width_bins().value(), 2.0 * 4.5);
+  sums.along_azimuth = {0.4, 2.0, 2.0, 2.0};  // the first crossing counts
+  EXPECT_DOUBLE_EQ(sums.azimuth_width_beams().value(), 2.0 * 0.5 / 0.8);
+  sums.along_azimuth = {1.9, 1.8, 1.7, 1.01};
+  EXPECT_FALSE(sums.azimuth_width_beams()) << "wider than half a block";
+  sums.along_azimuth[3] = 1.0;
+  EXPECT_DOUBLE_EQ(sums.azimuth_width_beams().value(), 8.0);
+}
+
+TEST(SpeckleTest, SumsOfFramesAddUp) {
+  SpeckleMeasures a, b;
+  a.real_background = {.blocks = 1, .relative_variance = 0.5, .along_range = {0.1}, .along_azimuth = {0.2}};
+  b.real_background = {.blocks = 2, .relative_variance = 0.25};
+  b.real_background.along_range.fill(0.5);
+  b.real_background.along_azimuth.fill(0.75);
+  b.simulated_background.blocks = 3;
+  b.real_object.blocks = 4;
+  b.simulated_object.blocks = 5;
+  a += b;
+  EXPECT_EQ(a.real_background.blocks, 3);
+  EXPECT_EQ(a.real_background.relative_variance, 0.75);
+  EXPECT_EQ(a.real_background.along_range[0], 0.6);
+  EXPECT_EQ(a.real_background.along_range[7], 0.5);
+  EXPECT_EQ(a.real_background.along_azimuth[0], 0.95);
+  EXPECT_EQ(a.real_background.along_azimuth[3], 0.75);
+  EXPECT_EQ(a.simulated_background.blocks, 3);
+  EXPECT_EQ(a.real_object.blocks, 4);
+  EXPECT_EQ(a.simulated_object.blocks, 5);
+}
+
+TEST(SpeckleTest, PixelsWithoutMeasurementAreNeitherObjectNorBackground) {
+  const Grid<float> one = GammaImage(1.0, 7);
+  Mask valid(kBins, kBeams, 1), object(kBins, kBeams);
+  valid(5, 5) = valid(kBins - 1, kBeams - 1) = 0;
+  for (int beam = 0; beam < kBeams; ++beam) {
+    for (int bin = 0; bin < kBins / 2; ++bin) object(bin, beam) = 1;
+  }
+  const SpeckleMeasures all = MeasureSpeckle(one, one, EightyDb(), object, object);
+  const SpeckleMeasures some = MeasureSpeckle(one, one, EightyDb(), object, object, &valid);
+  EXPECT_EQ(some.real_background.blocks, all.real_background.blocks - 1);
+  EXPECT_EQ(some.simulated_object.blocks, all.simulated_object.blocks - 2) << "those that overlap there";
+  EXPECT_EQ(some.real_object.blocks, all.real_object.blocks - 2);
+}
+
 TEST(SpeckleTest, WithoutDecibelsGreyValuesStandForPower) {
   Grid<float> image(16, 8);
   for (std::size_t i = 0; i < image.size(); ++i) image.values()[i] = i % 2 == 0 ? 100.0f : 50.0f;

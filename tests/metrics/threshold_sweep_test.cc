@@ -26,10 +26,17 @@ TEST(SweepSettingsTest, EvenlyFromLowestToHighest) {
   EXPECT_THAT(SweepSettings({.steps = 3, .low = 2.0, .high = 4.0}, SegmentationMethod::kBackgroundSigma),
               ElementsAre(2.0, 3.0, 4.0));
   EXPECT_THAT(SweepSettings({}, SegmentationMethod::kCaCfar), ElementsAre());
-  for (const SweepOptions& wrong : {SweepOptions{.steps = 1}, SweepOptions{.steps = 5, .low = 2.0},
-                                    SweepOptions{.steps = 5, .low = 0.5, .high = 0.5}}) {
+  for (const SweepOptions& wrong :
+       {SweepOptions{.steps = 1}, SweepOptions{.steps = 5, .low = 2.0},
+        SweepOptions{.steps = 5, .low = 0.5, .high = 0.5}, SweepOptions{.steps = -1},
+        SweepOptions{.steps = 1001}, SweepOptions{.steps = 5, .low = -0.5},
+        SweepOptions{.steps = 5, .high = std::nan("")}}) {
     EXPECT_THROW(SweepSettings(wrong, SegmentationMethod::kOtsu), DataError);
   }
+  EXPECT_EQ(SweepSettings({.steps = 1000}, SegmentationMethod::kOtsu).size(), 1000U);
+  EXPECT_THAT(SweepSettings({.steps = 2}, SegmentationMethod::kBackgroundSigma), ElementsAre(0.5, 10.0));
+  EXPECT_THAT(SweepSettings({.steps = 2}, SegmentationMethod::kLocalContrast), ElementsAre(0.0, 0.5));
+  EXPECT_THAT(SweepSettings({.steps = 2}, SegmentationMethod::kOsCfar), ElementsAre(0.5, 8.0));
 }
 
 // Two frames, three settings, by hand.
@@ -105,7 +112,7 @@ TEST(FindObjectsTest, EchoesAreWhateverTheSimulationShows) {
   options.sweep.steps = 3;
   const FrameMetrics metrics = CompareFrames(real, simulated, options);
   EXPECT_EQ(CountSet(metrics.masks->polar_simulated), 1);
-  EXPECT_TRUE(metrics.masks->polar_simulated(41, 15));
+  EXPECT_EQ(metrics.masks->polar_simulated(41, 15), 1);
   EXPECT_EQ(metrics.threshold_simulated, 51.0);
   EXPECT_GT(metrics.polar.occupancy.nr, 300);  // the real one by the segmentation
   for (const Occupancy& counts : metrics.sweep) EXPECT_EQ(counts.ns, 1);

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
+
+#include <nlohmann/json.hpp>
 
 #include "metrics/json/metrics_json.h"
 #include "tests/metrics/metrics_testing.h"
@@ -87,6 +90,76 @@ TEST(AgainstTest, ChangesWithinTheNoiseAreNotReported) {
     told += ChangeOf(against, kError).verdict != ChangeVerdict::kNotTold;
   }
   EXPECT_LE(told, 7);  // 2 expected, percentile intervals of 16 frames are a little narrow
+}
+
+TEST(AgainstTest, FewFramesOfOneTruthGiveNoVerdict) {
+  const Against against = CompareAgainst(RunOf(5, 0.0, 4), MetricsJson(RunOf(5, 0.0, 5)), "earlier.json");
+  const FigureChange& change = ChangeOf(against, kError);
+  EXPECT_EQ(change.verdict, ChangeVerdict::kNotTold);
+  EXPECT_LT(change.worsening_ci->lo, 0.0);
+  EXPECT_GT(change.worsening_ci->hi, 0.0);
+}
+
+// Files of other programs may leave names out.
+TEST(AgainstTest, FramesArePairedByIndexAndName) {
+  MetricsReport now = RunOf(6, 0.0, 1);
+  const auto common = [&](const std::function<void(nlohmann::json & frame, int i)>& change) {
+    nlohmann::json earlier = nlohmann::json::parse(MetricsJson(now));
+    for (int i = 0; i < 6; ++i) change(earlier["frames"][i], i);
+    return CompareAgainst(now, earlier.dump(), "earlier.json").common_frames;
+  };
+  EXPECT_EQ(common([](nlohmann::json&, int) {}), 6);
+  EXPECT_EQ(common([](nlohmann::json& frame, int i) {
+              if (i < 2) frame["name"] = "other";
+            }),
+            4);
+  EXPECT_EQ(common([](nlohmann::json& frame, int i) {
+              if (i < 3) frame["index"] = "a text";
+            }),
+            3);
+  EXPECT_EQ(common([](nlohmann::json& frame, int i) {
+              if (i < 3) frame = 7;
+            }),
+            3);
+  EXPECT_EQ(common([](nlohmann::json& frame, int i) {
+              if (i < 4) frame.erase("index");
+            }),
+            0)
+      << "two frames are too few to be paired";
+  for (FrameMetrics& frame : now.frames) frame.name.clear();
+  EXPECT_EQ(common([](nlohmann::json& frame, int i) {
+              if (i < 3) frame.erase("name");
+              if (i > 3) frame["name"] = 3.0;
+            }),
+            6);
+  nlohmann::json earlier = nlohmann::json::parse(MetricsJson(now));
+  earlier["frames"] = 3;
+  EXPECT_EQ(CompareAgainst(now, earlier.dump(), "earlier.json").common_frames, 0);
+  earlier.erase("frames");
+  EXPECT_EQ(CompareAgainst(now, earlier.dump(), "earlier.json").common_frames, 0);
+}
+
+TEST(AgainstTest, IntervalsThatAreNoneAreNotUsed) {
+  const MetricsReport now = RunOf(8, 0.4, 2, 8);
+  nlohmann::json earlier = nlohmann::json::parse(MetricsJson(RunOf(8, 0.0, 1)));
+  const auto verdict = [&] {
+    return ChangeOf(CompareAgainst(now, earlier.dump(), "a.json"), kError).verdict;
+  };
+  nlohmann::json& ci = earlier["macro"]["intensity"]["union"]["mean_absolute_ci"];
+  const nlohmann::json whole = ci;
+  EXPECT_EQ(verdict(), ChangeVerdict::kWorse);
+  for (const nlohmann::json& wrong :
+       {nlohmann::json(), nlohmann::json(3.0), nlohmann::json{whole[0]}, nlohmann::json{whole[0], "x"},
+        nlohmann::json{"x", whole[1]}, nlohmann::json{whole[0], whole[1], whole[1]}}) {
+    ci = wrong;
+    EXPECT_EQ(verdict(), ChangeVerdict::kNotTold) << wrong.dump();
+  }
+  // The mean before, and one that is better by as much.
+  ci = {0.9, 0.95};
+  earlier["macro"]["intensity"]["union"]["mean_absolute"] = 0.93;
+  EXPECT_EQ(verdict(), ChangeVerdict::kBetter);
+  earlier["macro"]["intensity"]["union"]["mean_absolute"] = *now.aggregate.macro.polar.At(kError).value;
+  EXPECT_EQ(verdict(), ChangeVerdict::kSame);
 }
 
 TEST(AgainstTest, WithoutCommonFramesTheIntervalsDecide) {

@@ -109,6 +109,84 @@ TEST(MetricsJsonTest, SegmentationAndNoiseFloorAreStated) {
             *report.frames[0].polar.intensity.whole.mean_absolute());
 }
 
+TEST(MetricsJsonTest, TheObjectOfASimulationAndItsSearchBoxAreStated) {
+  MetricsReport report = ReportOf(1);
+  report.frames[0].object_box = PixelBox{.bin_begin = 1, .bin_end = 5, .beam_begin = 2, .beam_end = 9};
+  const json by_rule = json::parse(MetricsJson(report));
+  EXPECT_EQ(by_rule["segmentation"]["simulated_object"], "same_rule");
+  EXPECT_FALSE(by_rule["segmentation"].contains("echo_fraction"));
+  EXPECT_FALSE(by_rule["segmentation"].contains("object_region"));
+  EXPECT_TRUE(by_rule["segmentation"]["region_of_interest_px"].is_null());
+  EXPECT_EQ(by_rule["frames"][0]["object_region"], json::parse(R"({"range_bins": [1, 5], "beams": [2, 9]})"));
+  report.options.simulated_object = SimulatedObject::kEchoes;
+  report.options.echo_fraction = 0.125;
+  report.options.region = testing::MaskOf({"##", "#."});
+  report.options.object = ObjectSearch{.material = "steel", .margin = {.bins = 3, .beams = 4}};
+  const json by_echoes = json::parse(MetricsJson(report))["segmentation"];
+  EXPECT_EQ(by_echoes["simulated_object"], "echoes");
+  EXPECT_EQ(by_echoes["echo_fraction"], 0.125);
+  EXPECT_EQ(by_echoes["region_of_interest_px"], 3);
+  EXPECT_EQ(by_echoes["object_region"],
+            json::parse(R"({"source": "model", "object": "steel", "margin_bins": 3, "margin_beams": 4})"));
+}
+
+TEST(MetricsJsonTest, BlocksAreStatedForFramesInTimeAndTheirIntervals) {
+  MetricsReport report = ReportOf(4);
+  EXPECT_FALSE(json::parse(MetricsJson(report))["ci"].contains("block_frames"));
+  for (int i = 0; i < 4; ++i) report.frames[i].time_s = 0.1 * i;
+  report.aggregate = AggregateFrames(report.frames);
+  const json ci = json::parse(MetricsJson(report))["ci"];
+  EXPECT_THAT(ci["method"].get<std::string>(), HasSubstr("blocks of consecutive frames"));
+  const json& blocks = ci["block_frames"];
+  EXPECT_EQ(blocks["polar"]["iou"], report.aggregate.macro.polar.At("iou").block_frames);
+  EXPECT_TRUE(blocks["polar"].contains("outline.mean_m"));
+  EXPECT_FALSE(blocks["fan"].contains("outline.mean_m")) << "of the polar view only";
+  EXPECT_FALSE(blocks["polar"].contains("distribution.echoes.emd_db")) << "has no interval without decibels";
+}
+
+// The text is put together from pieces, but looks like a document written at once.
+TEST(MetricsJsonTest, TheTextIsIndentedThroughout) {
+  for (const int frame_count : {0, 1, 3}) {
+    MetricsReport report = ReportOf(frame_count);
+    for (FrameMetrics& frame : report.frames) frame.object_box = PixelBox{};
+    const std::string text = MetricsJson(report);
+    EXPECT_EQ(text.back(), '\n');
+    std::istringstream lines(text);
+    std::string line;
+    int depth = 0;
+    while (std::getline(lines, line)) {
+      const std::size_t indent = line.find_first_not_of(' ');
+      const bool closes = line[indent] == '}' || line[indent] == ']';
+      ASSERT_EQ(indent, 2 * static_cast<std::size_t>(depth - (closes ? 1 : 0))) << line;
+      for (const char c : line) depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+    }
+    EXPECT_EQ(depth, 0);
+  }
+}
+
+TEST(MetricsJsonTest, AFrameOnOneLineHoldsTheFrame) {
+  const MetricsReport report = ReportOf(1);
+  const std::string line = FrameMetricsJson(report.frames[0], IntensityDomain::kUnion);
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  EXPECT_EQ(json::parse(line), json::parse(MetricsJson(report))["frames"][0]);
+}
+
+TEST(MetricsJsonTest, TheFloorByDrawsStandsBesideItsLaw) {
+  MetricsReport report = ReportOf(3);
+  EXPECT_FALSE(json::parse(MetricsJson(report))["noise_floor"].contains("drawn"));
+  report.noise_floor.drawn.emplace();
+  report.noise_floor.drawn->law = "k";
+  report.noise_floor.drawn->aggregate = AggregateFrames(ReportOf(2).frames);
+  const json parsed = json::parse(MetricsJson(report));
+  const json& floor = parsed["noise_floor"];
+  EXPECT_EQ(floor["beside_figures"], "drawn");
+  EXPECT_EQ(floor["drawn"]["law"], "k");
+  EXPECT_EQ(floor["drawn"]["frames"], 2);
+  EXPECT_EQ(floor["drawn"]["iou"], *report.noise_floor.drawn->aggregate.macro.polar.At("iou").value);
+  EXPECT_EQ(parsed["macro"]["iou_floor"], floor["drawn"]["iou"]);
+  EXPECT_EQ(parsed["macro"]["intensity_error"]["fan_floor"], floor["drawn"]["intensity_error"]["fan"]);
+}
+
 TEST(MetricsJsonTest, FractionsOfFullScaleStandInGreyLevelsAndDecibelsToo) {
   MetricsReport report = ReportOf(2);
   report.scale.full_scale = 255.0;

@@ -69,6 +69,21 @@ TEST(IntensityTest, PoolingTwoFramesIsMeasuringThemAsOne) {
   EXPECT_NEAR(pooled.union_region.bias().value(), 0.0, 1e-12);
 }
 
+TEST(IntensityTest, EverySumOfPooledFramesAddsUp) {
+  const Mask all = MaskOf({"####"});
+  const IntensityError one = MeasureIntensityError(kReal, kSimulated, 100.0, all, all);
+  IntensityError three = one;
+  three += one;
+  three += one;
+  EXPECT_EQ(three.whole.pixels, 12);
+  EXPECT_NEAR(three.whole.rmse().value(), one.whole.rmse().value(), 1e-12);
+  EXPECT_NEAR(three.overlap.relative().value(), one.overlap.relative().value(), 1e-12);
+  EXPECT_NEAR(three.whole.correlation().value(), one.whole.correlation().value(), 1e-12);
+  EXPECT_NEAR(three.objects.mean_difference().value(), one.objects.mean_difference().value(), 1e-12);
+  EXPECT_EQ(three.objects.real_pixels, 12);
+  EXPECT_EQ(three.objects.simulated_pixels, 12);
+}
+
 TEST(IntensityTest, DerivedErrorsEqualThoseByHand) {
   const IntensityError error =
       MeasureIntensityError(kReal, kSimulated, 100.0, MaskOf({"##.."}), MaskOf({".##."}));
@@ -95,6 +110,13 @@ TEST(IntensityTest, CorrelationIsBlindToGainAndOffset) {
   for (float& value : scaled.values()) value = 20.0f + 0.5f * value;
   const Mask all = MaskOf({"####"});
   EXPECT_NEAR(MeasureIntensityError(kReal, scaled, 100.0, all, all).whole.correlation().value(), 1.0, 1e-9);
+  // Dark images vary as much, for their level.
+  Grid<float> dark = kSimulated;
+  for (float& value : dark.values()) value *= 1e-5f;
+  EXPECT_NEAR(MeasureIntensityError(kReal, dark, 100.0, all, all).whole.correlation().value(),
+              MeasureIntensityError(kReal, kSimulated, 100.0, all, all).whole.correlation().value(), 1e-6);
+  EXPECT_NEAR(MeasureIntensityError(dark, kReal, 100.0, all, all).whole.correlation().value(),
+              MeasureIntensityError(kReal, kSimulated, 100.0, all, all).whole.correlation().value(), 1e-6);
   const Grid<float> even(1, 4, 50.0f), black(1, 4);
   EXPECT_FALSE(MeasureIntensityError(kReal, even, 100.0, all, all).whole.correlation());
   EXPECT_FALSE(MeasureIntensityError(black, kReal, 100.0, all, all).whole.relative());

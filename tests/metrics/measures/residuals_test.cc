@@ -78,6 +78,48 @@ TEST(ResidualsTest, FramesOfOtherAxesAreLeftOut) {
   EXPECT_EQ(residuals.frames_left_out(), 1);
 }
 
+// Collectors of parts of a recording, added, are the collector of the whole.
+TEST(ResidualsTest, CollectorsAddUp) {
+  PolarImage real = ImageOf(4, 3, 50.0F), brighter = ImageOf(4, 3, 60.0F), darker = ImageOf(4, 3, 20.0F);
+  for (PolarImage* image : {&real, &brighter, &darker}) image->scale.full_scale = 128.0;  // sums are exact
+  const PolarImage other_axes = ImageOf(5, 3, 50.0F);
+  const Mask object = MaskOf({"...", "...", "#..", "..."}), none(4, 3);
+  ResidualCollector whole, first, second;
+  whole.Add(real, brighter, object, none);
+  whole.Add(real, darker, object, none);
+  whole.Add(other_axes, other_axes, Mask(5, 3), Mask(5, 3));
+  first.Add(real, brighter, object, none);
+  second.Add(real, darker, object, none);
+  second.Add(other_axes, other_axes, Mask(5, 3), Mask(5, 3));
+  ResidualCollector sum;
+  sum += first;
+  sum += second;
+  EXPECT_EQ(sum.frames(), 2);
+  EXPECT_EQ(sum.frames_left_out(), 1);
+  EXPECT_EQ(ResidualsCsv({sum.ByRange(), sum.ByBeam()}), ResidualsCsv({whole.ByRange(), whole.ByBeam()}));
+  for (int bin = 0; bin < 4; ++bin) {
+    for (int beam = 0; beam < 3; ++beam) {
+      EXPECT_EQ(sum.map().cells(bin, beam).whole.bias(), whole.map().cells(bin, beam).whole.bias());
+      EXPECT_EQ(sum.map().cells(bin, beam).union_region.pixels, bin == 2 && beam == 0 ? 2 : 0);
+    }
+  }
+
+  ResidualCollector of_other_axes;
+  of_other_axes.Add(other_axes, other_axes, Mask(5, 3), Mask(5, 3));
+  of_other_axes.Add(real, real, none, none);
+  sum += of_other_axes;
+  EXPECT_EQ(sum.frames(), 2) << "those of other axes are left out";
+  EXPECT_EQ(sum.frames_left_out(), 3);
+  sum += ResidualCollector();
+  EXPECT_EQ(sum.frames(), 2);
+  ResidualCollector empty;
+  empty += of_other_axes;
+  EXPECT_EQ(empty.frames(), 1);
+  EXPECT_EQ(empty.frames_left_out(), 1);
+  EXPECT_EQ(empty.axes().range_bins, 5);
+  EXPECT_TRUE(ResidualCollector().ByBeam().classes.empty());
+}
+
 TEST(ResidualsTest, PixelsWithoutMeasurementCountNowhere) {
   const PolarImage real = ImageOf(2, 3, 50.0F), simulated = ImageOf(2, 3, 60.0F);
   const Mask all(2, 3, 1), valid = MaskOf({"#..", "###"});

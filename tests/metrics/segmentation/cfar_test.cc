@@ -130,6 +130,60 @@ TEST(CfarTest, AgreesWithTheWindowGatheredPixelByPixel) {
   }
 }
 
+// Grey levels: the excess over the mean in standard deviations, or over a quantile in distances between two.
+TEST(CfarTest, InGreyAgreesWithTheWindowGatheredPixelByPixel) {
+  const Grid<float> grey = LogGrey(Noise(4, 1.0, 40, 30), 12.0);
+  const Grid<float> averaged = CfarDecadesInGrey(grey, 255.0, Options(SegmentationMethod::kCaCfar));
+  const Grid<float> ordered = CfarDecadesInGrey(grey, 255.0, Options(SegmentationMethod::kOsCfar));
+  const LogMeanLaw mean_law(1.0);
+  const LogQuantileLaw quantile_law(1.0, 0.25, 0.75);
+  for (int row = 0; row < 40; row += 3) {
+    for (int col = 0; col < 30; ++col) {
+      const int top = std::clamp(row - 8, 0, 40 - 17);
+      const int left = std::clamp(col - 6, 0, 30 - 13);
+      std::vector<double> cells;
+      double sum = 0.0, squares = 0.0;
+      for (int r = top; r < top + 17; ++r) {
+        for (int c = left; c < left + 13; ++c) {
+          if (std::abs(r - row) <= 3 && std::abs(c - col) <= 2) continue;
+          cells.push_back(grey(r, c));
+          sum += grey(r, c);
+          squares += static_cast<double>(grey(r, c)) * grey(r, c);
+        }
+      }
+      const double n = static_cast<double>(cells.size());
+      const double mean = sum / n;
+      const double by_mean = mean_law.Decades((grey(row, col) - mean) / std::sqrt(squares / n - mean * mean));
+      ASSERT_NEAR(averaged(row, col), by_mean, 1e-3 * (1.0 + by_mean)) << row << ", " << col;
+      std::sort(cells.begin(), cells.end());
+      const double high = cells[static_cast<std::size_t>(std::lround(0.75 * n)) - 1];
+      const double low = cells[static_cast<std::size_t>(std::lround(0.25 * n)) - 1];
+      const double by_quantile = quantile_law.Decades((grey(row, col) - high) / (high - low));
+      ASSERT_NEAR(ordered(row, col), by_quantile, 2e-2 * (1.0 + by_quantile)) << row << ", " << col;
+    }
+  }
+}
+
+// Levels that differ by less than a thousandth of full scale have that spread.
+TEST(CfarTest, InGreyASpreadIsAtLeastAThousandthOfFullScale) {
+  for (const double full_scale : {255.0, 4000.0}) {
+    Grid<float> grey(40, 30, static_cast<float>(0.4 * full_scale));
+    grey(20, 15) = static_cast<float>(0.403 * full_scale);
+    const Grid<float> averaged = CfarDecadesInGrey(grey, full_scale, Options(SegmentationMethod::kCaCfar));
+    EXPECT_NEAR(averaged(20, 15), LogMeanLaw(1.0).Decades(3.0), 1e-3);
+    const Grid<float> ordered = CfarDecadesInGrey(grey, full_scale, Options(SegmentationMethod::kOsCfar));
+    EXPECT_NEAR(ordered(20, 15), LogQuantileLaw(1.0, 0.25, 0.75).Decades(3.0), 1e-3);
+  }
+}
+
+TEST(CfarTest, SilenceIsExceededByAnyEchoAndByNoSilence) {
+  Grid<float> power(40, 30, 0.0F);
+  power(20, 15) = 1.0F;
+  const Grid<float> averaged = CfarDecadesInPower(power, Options(SegmentationMethod::kCaCfar));
+  EXPECT_EQ(averaged(20, 15), static_cast<float>(kMaxDecades));
+  EXPECT_EQ(averaged(20, 14), 0.0F);
+}
+
 TEST(CfarTest, ASecondObjectHidesAWeakOneFromCellAveragingOnly) {
   Grid<float> power = Noise(5, 1.0, 60, 40);
   power(30, 20) = 2e5F;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace sonarcal::metrics {
@@ -53,7 +55,7 @@ TEST(FalseAlarmTest, CellAveragingWithManyTrainingCellsKnowsTheMean) {
 }
 
 TEST(FalseAlarmTest, AQuantileIsTheInverseOfTheTail) {
-  for (const double looks : {0.5, 1.0, 2.5, 30.0}) {
+  for (const double looks : {0.5, 1.0, 2.0, 2.5, 30.0}) {
     for (const double chance : {0.01, 0.5, 0.9, 0.999}) {
       EXPECT_NEAR(std::pow(10.0, -GammaTailDecades(looks, GammaQuantile(looks, chance))), 1.0 - chance, 1e-9);
     }
@@ -73,6 +75,63 @@ TEST(FalseAlarmTest, TheQuadratureOfTheOrderedStatisticAgreesWithTheClosedForm) 
     const double exact = -std::log10(OrderedStatisticChance(200, 150, ratio));
     EXPECT_NEAR(by_quadrature.Decades(ratio), exact, 1e-3 * (1.0 + exact)) << ratio;
   }
+}
+
+// The end ranks, whose distribution ends at 0 or 1 with a density above 0, and a narrow one.
+TEST(FalseAlarmTest, TheQuadratureHoldsForAnyRank) {
+  for (const auto& [count, rank] :
+       {std::pair{5, 1}, std::pair{5, 5}, std::pair{40, 2}, std::pair{20000, 15000}}) {
+    const OrderedStatisticLaw by_quadrature(1.0 + 1e-9, 1.0, count, rank);
+    for (const double ratio : {0.3, 1.0, 2.0, 4.0}) {
+      const double exact = -std::log10(OrderedStatisticChance(count, rank, ratio));
+      EXPECT_NEAR(by_quadrature.Decades(ratio), exact, 1e-3 * (1.0 + exact))
+          << rank << " of " << count << ", " << ratio;
+    }
+  }
+}
+
+// Two looks, distributed as 1 - (1 + 2 x) exp(-2 x): the chance integrated over the rank-th smallest x.
+TEST(FalseAlarmTest, OrderedStatisticOfTwoLooksIsItsIntegral) {
+  constexpr int kCount = 24, kRank = 18;
+  const auto tail = [](double x) { return (1.0 + 2.0 * x) * std::exp(-2.0 * x); };
+  const OrderedStatisticLaw law(2.0, 2.0, kCount, kRank);
+  for (const double ratio : {0.5, 1.5, 3.0, 6.0}) {
+    double chance = 0.0, total = 0.0;
+    for (double x = 0.0005; x < 12.0; x += 0.001) {
+      const double density = std::pow(1.0 - tail(x), kRank - 1) * std::pow(tail(x), kCount - kRank) * 4.0 *
+                             x * std::exp(-2.0 * x);
+      total += density;
+      chance += density * tail(ratio * x);
+    }
+    const double exact = -std::log10(chance / total);
+    EXPECT_NEAR(law.Decades(ratio), exact, 1e-3 * (1.0 + exact)) << ratio;
+  }
+}
+
+TEST(FalseAlarmTest, ARatioOfZeroIsNoAlarm) {
+  EXPECT_EQ(CellAveragingDecades(3.0, 16.0, 0.0), 0.0);
+  EXPECT_EQ(OrderedStatisticLaw(1.0, 1.0, 8, 6).Decades(0.0), 0.0);
+  EXPECT_EQ(OrderedStatisticLaw(2.0, 1.0, 8, 6).Decades(0.0), 0.0);
+  EXPECT_EQ(OrderedStatisticLaw(2.0, 1.0, 8, 6).Decades(-1.0), 0.0);
+}
+
+TEST(FalseAlarmTest, ImpossibleRanksAndChancesAreRefused) {
+  EXPECT_THROW(OrderedStatisticLaw(1.0, 1.0, 8, 0), std::logic_error);
+  EXPECT_THROW(OrderedStatisticLaw(1.0, 1.0, 8, 9), std::logic_error);
+  EXPECT_NO_THROW(OrderedStatisticLaw(1.0, 1.0, 8, 8));
+  EXPECT_THROW(GammaQuantile(1.0, 0.0), std::logic_error);
+  EXPECT_THROW(GammaQuantile(1.0, 1.0), std::logic_error);
+  EXPECT_THROW(LogQuantileLaw(1.0, 0.5, 0.5), std::logic_error);
+}
+
+// Beyond its ends a table is constant.
+TEST(FalseAlarmTest, ATableEndsAtTheEighthPowerOfE) {
+  const DecadesTable table([](double ratio) { return 20.0 + std::log(ratio); });
+  EXPECT_NEAR(table(std::exp(-8.0)), 12.0, 1e-12);
+  EXPECT_NEAR(table(std::exp(-9.0)), 12.0, 1e-12);
+  EXPECT_NEAR(table(std::exp(7.999)), 27.999, 1e-9);
+  EXPECT_NEAR(table(std::exp(9.0)), 28.0, 1e-12);
+  EXPECT_NEAR(table(std::exp(-0.313)), 19.687, 1e-9);
 }
 
 TEST(FalseAlarmTest, ATableIsItsFunction) {

@@ -3,10 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 
+#include "metrics/segmentation/false_alarm.h"
 #include "metrics/segmentation/segmentation.h"
 #include "tests/metrics/metrics_testing.h"
 
@@ -78,6 +81,30 @@ TEST(LikelihoodRatioTest, CellsOfSeveralPixelsSeeAWeakerObjectAtTheSameRate) {
   EXPECT_NEAR(ShareAbove(LikelihoodDecades(quiet, 4095.0, law, 7, 5), 2.0), 1e-2, 5e-3);
 }
 
+// Word for word: each pixel's power over its background, averaged over the cell, as a tail of the Gamma law.
+TEST(LikelihoodRatioTest, AgreesWithItsDefinitionPixelByPixel) {
+  const BackgroundLaw law = SlopedLaw(9, 7, 2.0);
+  Grid<float> grey = Draw(law, 5, 255.0);
+  grey(4, 3) = 200.0F;
+  Mask valid(9, 7, 1);
+  valid(0, 0) = valid(5, 5) = 0;
+  const Grid<float> decades = LikelihoodDecades(grey, 255.0, law, 3, 5, &valid);
+  for (int row = 0; row < 9; ++row) {
+    for (int col = 0; col < 7; ++col) {
+      double sum = 0.0, count = 0.0;
+      for (int r = std::max(0, row - 1); r <= std::min(8, row + 1); ++r) {
+        for (int c = std::max(0, col - 2); c <= std::min(6, col + 2); ++c) {
+          if (valid(r, c) == 0) continue;
+          sum += std::pow(10.0, kSpanDb / 10.0 * grey(r, c) / 255.0) / law.mean_power(r, c);
+          ++count;
+        }
+      }
+      const double exact = GammaTailDecades(2.0 * 15.0, sum / count);
+      EXPECT_NEAR(decades(row, col), exact, 2e-3 * (1.0 + exact)) << row << ", " << col;
+    }
+  }
+}
+
 TEST(LikelihoodRatioTest, SegmentsByItsLawAndNeedsOne) {
   BackgroundLaw law = SlopedLaw(120, 40, 1.0);
   BackgroundLaw with_block = law;
@@ -115,8 +142,21 @@ TEST(LikelihoodRatioTest, ALawThatDoesNotFitIsRefused) {
   EXPECT_EQ(message(), "no error");
   law.mean_power(1, 2) = 0.0F;
   EXPECT_THAT(message(), HasSubstr("power 0 at (row 1, column 2)"));
+  law.mean_power(1, 2) = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(message(), HasSubstr("power inf at (row 1, column 2)"));
+  law = SlopedLaw(4, 3, 1.0);
+  law.mean_power(0, 0) = -1.0F;
+  EXPECT_THAT(message(), HasSubstr("power -1 at (row 0, column 0)"));
   law = SlopedLaw(4, 3, 0.0);
   EXPECT_THAT(message(), HasSubstr("0 looks"));
+  for (const double looks : {kMinLooks, kMaxLooks}) {
+    law.looks = looks;
+    EXPECT_EQ(message(), "no error") << looks;
+  }
+  law.looks = std::nextafter(kMaxLooks, 2000.0);
+  EXPECT_THAT(message(), HasSubstr("looks, expected 0.05 to 1000"));
+  law = SlopedLaw(3, 3, 1.0);
+  EXPECT_THAT(message(), HasSubstr("3 x 3 pixels"));
 }
 
 TEST(PowerOfGreyTest, ClippedLevelsCountAsHalfTheEdge) {
@@ -126,6 +166,32 @@ TEST(PowerOfGreyTest, ClippedLevelsCountAsHalfTheEdge) {
   EXPECT_FLOAT_EQ(power(0, 1), std::pow(10.0f, 1.0f / 255.0f));
   EXPECT_FLOAT_EQ(power(0, 2), std::sqrt(10.0f));
   EXPECT_FLOAT_EQ(power(0, 3), 10.0f);
+}
+
+// Filters may leave values below 0 or above full scale, and between whole levels.
+TEST(PowerOfGreyTest, ValuesBeyondTheScaleCountAsItsEnds) {
+  const auto power_of_value = LogDisplayPower(40.0);
+  const Grid<float> power =
+      PowerOfGrey(testing::GridOf({{-3.0f, 100.0f, 101.0f, 130.0f, 0.25f}}), 100.0, power_of_value);
+  EXPECT_FLOAT_EQ(power(0, 0), static_cast<float>(0.5 * std::pow(10.0, 4.0 * 0.005)));
+  EXPECT_FLOAT_EQ(power(0, 1), 1e4f);
+  EXPECT_FLOAT_EQ(power(0, 2), 1e4f);
+  EXPECT_FLOAT_EQ(power(0, 3), 1e4f);
+  EXPECT_FLOAT_EQ(power(0, 4), power(0, 0));
+  // Too many levels for a table.
+  const Grid<float> fine = PowerOfGrey(testing::GridOf({{0.0f, 50000.0f, 2e6f}}), 1e6, power_of_value);
+  EXPECT_FLOAT_EQ(fine(0, 0), static_cast<float>(0.5 * std::pow(10.0, 4.0 * 0.5e-6)));
+  EXPECT_FLOAT_EQ(fine(0, 1), std::pow(10.0f, 0.2f));
+  EXPECT_FLOAT_EQ(fine(0, 2), 1e4f);
+}
+
+// A display that shows no power below 3: no level stands for less than the clipped ones.
+TEST(PowerOfGreyTest, PowerDoesNotFallBelowTheClippedLevels) {
+  const Grid<float> power = PowerOfGrey(testing::GridOf({{0.0f, 1.0f, 2.0f}}), 2.0,
+                                        [](double value) { return value == 0.25 ? 8.0 : 3.0 * value; });
+  EXPECT_FLOAT_EQ(power(0, 0), 4.0f);
+  EXPECT_FLOAT_EQ(power(0, 1), 4.0f);
+  EXPECT_FLOAT_EQ(power(0, 2), 4.0f);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/types/units.h"
+#include "metrics/segmentation/object_region.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal::metrics {
@@ -18,6 +19,14 @@ TEST(BoxAroundTest, TheBoundingBoxGrowsByItsMarginsAndEndsAtTheImage) {
   EXPECT_EQ(BoxAround(object, 0, 0), MaskOf({"......", "......", "..##..", "..##..", "......"}));
   EXPECT_EQ(BoxAround(object, 3, 1), MaskOf({".####.", ".####.", ".####.", ".####.", ".####."}));
   EXPECT_EQ(CountSet(BoxAround(Mask(4, 4), 2, 2)), 0);
+}
+
+TEST(PixelBoxTest, ABoxWithoutRowsOrColumnsIsEmpty) {
+  EXPECT_TRUE(PixelBox{}.empty());
+  EXPECT_TRUE((PixelBox{.bin_begin = 3, .bin_end = 3, .beam_begin = 0, .beam_end = 2}.empty()));
+  EXPECT_TRUE((PixelBox{.bin_begin = 0, .bin_end = 2, .beam_begin = 5, .beam_end = 5}.empty()));
+  EXPECT_TRUE((PixelBox{.bin_begin = 0, .bin_end = 2, .beam_begin = 5, .beam_end = 4}.empty()));
+  EXPECT_FALSE((PixelBox{.bin_begin = 0, .bin_end = 1, .beam_begin = 4, .beam_end = 5}.empty()));
 }
 
 TEST(DilatedTest, EachPixelGrowsByTheMargins) {

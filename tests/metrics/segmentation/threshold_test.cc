@@ -74,6 +74,20 @@ TEST(OtsuTest, TwoValuesAreTakenApartAndScalingTheValuesScalesTheThreshold) {
   EXPECT_EQ(OtsuThreshold(values), 16.0 * threshold);
 }
 
+TEST(OtsuTest, ValuesMayBeNegative) {
+  EXPECT_EQ(OtsuThreshold({-9.0f, -9.0f, -8.0f, -3.0f, -2.0f}), -8.0);
+  EXPECT_EQ(OtsuThreshold({-1.0f, 2.0f, 2.0f}), -1.0);
+}
+
+TEST(OtsuTest, OfEquallyGoodThresholdsTheLowestIsTaken) {
+  EXPECT_EQ(OtsuThreshold({1.0f, 5.0f, 9.0f}), 1.0);  // 2 x 6^2 either way
+}
+
+// Values nearer than the classes: the threshold is the highest value of its class.
+TEST(OtsuTest, ValuesOfOneClassStayTogether) {
+  EXPECT_EQ(OtsuThreshold({10.0f, 10.01f, 10.005f, 900.0f, 900.02f}), static_cast<double>(10.01f));
+}
+
 TEST(OtsuTest, NothingIsAboveTheThresholdOfAConstant) {
   EXPECT_EQ(OtsuThreshold({5.0f, 5.0f}), 5.0);
 }
@@ -95,6 +109,23 @@ TEST(TriangleTest, AgreesWithOpenCvOnAnEightBitImage) {
   }
 }
 
+// Levels piled up at 0 and at full scale, where the histogram has no empty class beside them.
+TEST(TriangleTest, AgreesWithOpenCvWhereLevelsReachTheEnds) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::vector<float> values = TwoBumps(seed, 5000);
+    for (float& value : values) {
+      value = std::clamp(seed % 2 == 0 ? 1.7f * value - 70.0f : 290.0f - 1.6f * value, 0.0f, 255.0f);
+      value = std::round(value);
+    }
+    cv::Mat1b image(1, static_cast<int>(values.size()));
+    for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);
+    cv::Mat1b binary;
+    const double reference =
+        cv::threshold(image, binary, 0.0, 255.0, cv::THRESH_BINARY | cv::THRESH_TRIANGLE);
+    EXPECT_NEAR(TriangleThreshold(values, 255.0), reference, 1e-9) << "seed " << seed;
+  }
+}
+
 // 100 at 10, then 10 a class to 14, nothing to 20: the corner is where the tail begins.
 TEST(TriangleTest, TheCornerOfAnLIsFoundOneClassFurtherOut) {
   std::vector<float> values(100, 10.0f);
@@ -109,6 +140,12 @@ TEST(BackgroundTest, RobustStatisticsOfFewValuesEqualThoseByHand) {
   const Background even = RobustBackground({1.0f, 2.0f, 4.0f, 9.0f});
   EXPECT_EQ(even.centre, 3.0);
   EXPECT_NEAR(even.spread, 1.4826 * 1.5, 1e-9);  // deviations 2, 1, 1, 6
+}
+
+TEST(BackgroundTest, PlainStatisticsOfFewValuesEqualThoseByHand) {
+  const Background plain = PlainBackground({1.0f, 2.0f, 4.0f, 9.0f});
+  EXPECT_EQ(plain.centre, 3.0);
+  EXPECT_NEAR(plain.spread, std::sqrt((9.0 + 4.0 + 0.0 + 25.0) / 4.0), 1e-12);  // mean 4
 }
 
 TEST(BackgroundTest, BothSpreadsAreTheStandardDeviationOfGaussianNoise) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -85,6 +86,62 @@ TEST(DetectionScoresTest, CountsAboveAThreshold) {
   EXPECT_EQ(DetectedFrom(GridOf({{0.1F, 0.4F, 0.35F, 0.8F}}), 350), MaskOf({".###"}));
   EXPECT_FALSE(ScoreCounts().average_precision());
   EXPECT_FALSE(Detection().iou());
+}
+
+// Every pixel asked one by one, at every class.
+TEST(DetectionScoresTest, CountsAndTheBestClassAgreeWithAskingEveryPixel) {
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 20; ++trial) {
+    ScoreCounts counts;
+    std::vector<std::pair<int, bool>> pixels;
+    for (int i = 0; i < 12; ++i) {
+      const std::array<int, 5> classes = {0, 1, 500, 998, 999};
+      pixels.emplace_back(classes[random() % 5], random() % 2 == 0);
+      ++(pixels.back().second ? counts.object : counts.other)[pixels.back().first];
+    }
+    double best = -1.0;
+    int best_class = 0;
+    for (int lowest = 0; lowest < kScoreClasses; ++lowest) {
+      std::int64_t tp = 0, fp = 0, fn = 0;
+      for (const auto& [score, is_object] : pixels) {
+        tp += is_object && score >= lowest;
+        fp += !is_object && score >= lowest;
+        fn += is_object && score < lowest;
+      }
+      const Detection detection = counts.From(lowest);
+      ASSERT_EQ(detection.true_positives, tp);
+      ASSERT_EQ(detection.false_positives, fp);
+      ASSERT_EQ(detection.false_negatives, fn);
+      const double iou =
+          tp + fp + fn == 0 ? 0.0 : static_cast<double>(tp) / static_cast<double>(tp + fp + fn);
+      ASSERT_EQ(detection.iou().value_or(0.0), iou);
+      if (iou > best) {
+        best = iou;
+        best_class = lowest;
+      }
+    }
+    EXPECT_EQ(counts.BestClass(), best_class);
+    EXPECT_NEAR(counts.average_precision().value(), SlowAveragePrecision(pixels), 1e-12);
+  }
+  EXPECT_EQ(ScoreCounts().BestClass(), 0);
+  EXPECT_EQ(ScoreCounts().object_share(), 0.0);
+}
+
+TEST(DetectionScoresTest, AShareOfOnePixelIsAValue) {
+  const Detection one{.true_positives = 0, .false_positives = 1, .false_negatives = 0};
+  EXPECT_EQ(one.precision(), 0.0);
+  EXPECT_EQ(one.iou(), 0.0);
+  EXPECT_FALSE(one.recall());
+}
+
+TEST(DetectionScoresTest, ScoresFallIntoEvenClassesAndTheLastHoldsOne) {
+  const ScoreCounts counts =
+      CountScores(GridOf({{0.0F, 0.0009F, 0.0011F, 0.9995F, 1.0F, 1.5F, -0.5F}}), MaskOf({"#.#.#.#"}));
+  EXPECT_EQ(counts.object[0], 2);
+  EXPECT_EQ(counts.other[0], 1);
+  EXPECT_EQ(counts.object[1], 1);
+  EXPECT_EQ(counts.other[999], 2);
+  EXPECT_EQ(counts.object[999], 1);
 }
 
 TEST(DetectionScoresTest, DetectionsOfFramesAddUp) {
@@ -171,6 +228,25 @@ TEST(TransferTest, ShownFramesHaveTheDetectionsOfTheFigures) {
   EXPECT_EQ(transfer.simulated_curve.recall.back(), 1.0);
   EXPECT_DOUBLE_EQ(transfer.simulated_curve.precision.back(), transfer.object_share);
   EXPECT_GT(transfer.reference_curve.precision.front(), 0.9);
+}
+
+TEST(TransferTest, TwoTestFramesGiveFiguresAndThreeGiveIntervals) {
+  const std::vector<LabelledFrame> training = {BlockFrame(1)};
+  std::vector<LabelledFrame> test = {BlockFrame(101), BlockFrame(102)};
+  const Transfer two = MeasureTransfer(training, test);
+  EXPECT_EQ(two.blocks, 2);
+  EXPECT_TRUE(two.difference.iou.value);
+  EXPECT_FALSE(two.difference.iou.ci);
+  test.push_back(BlockFrame(103));
+  int calls = 0;
+  const Transfer three = MeasureTransfer(training, test, {}, [&](int done, int total) {
+    EXPECT_EQ(done, ++calls);
+    EXPECT_EQ(total, 4);
+  });
+  EXPECT_EQ(calls, 4);
+  EXPECT_TRUE(three.simulated.iou.ci);
+  EXPECT_DOUBLE_EQ(three.difference.recall.value.value(),
+                   three.simulated.recall.value.value() - three.reference.recall.value.value());
 }
 
 TEST(TransferTest, WrongLabelsTrainWorse) {
