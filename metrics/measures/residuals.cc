@@ -56,16 +56,9 @@ void ResidualCollector::Add(const PolarImage& real, const PolarImage& simulated,
 }
 
 ResidualCollector& ResidualCollector::operator+=(const ResidualCollector& other) {
-  if (other.frames_ == 0) {
-    frames_left_out_ += other.frames_left_out_;
-    return *this;
-  }
-  if (frames_ == 0) {
-    const int left_out = frames_left_out_;
-    *this = other;
-    frames_left_out_ += left_out;
-    return *this;
-  }
+  // A collector that has no frame has left out none: its first frame sets the axes.
+  if (other.frames_ == 0) return *this;
+  if (frames_ == 0) return *this = other;
   frames_left_out_ += other.frames_left_out_;
   if (!axes_.Matches(other.axes_)) {
     frames_left_out_ += other.frames_;

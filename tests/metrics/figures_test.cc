@@ -37,6 +37,17 @@ TEST(FiguresTest, EveryNameStandsInThePageThatDefinesThem) {
   }
 }
 
+TEST(FiguresTest, AveragesBecomeFigures) {
+  const auto finish = [](const char* path, double average) {
+    return Figures()[FigureIndex(path)].Finish(average);
+  };
+  EXPECT_EQ(finish("speckle.object.real.looks", 0.25), 4.0);
+  EXPECT_FALSE(finish("speckle.object.real.looks", 0.0));
+  EXPECT_EQ(finish("intensity.whole.rmse", 0.25), 0.5);
+  EXPECT_NEAR(finish("intensity.whole.psnr_db", 0.001).value(), 30.0, 1e-12);
+  EXPECT_EQ(finish("iou", 0.25), 0.25);
+}
+
 TEST(FiguresTest, FinishingAnUnfinishedValueGivesTheValue) {
   for (const Figure& figure : Figures()) {
     const double value = figure.unit == FigureUnit::kDecibel ? 20.0 : 0.4;

@@ -172,6 +172,20 @@ TEST(SpeckleTest, SumsOfFramesAddUp) {
   EXPECT_EQ(a.simulated_object.blocks, 5);
 }
 
+TEST(SpeckleTest, AnObjectIsWhereBothRegionsAre) {
+  const Grid<float> one = GammaImage(1.0, 7);
+  Mask left(kBins, kBeams);
+  for (int bin = 0; bin < kBins; ++bin) {
+    for (int beam = 0; beam < kBeams / 2; ++beam) left(bin, beam) = 1;
+  }
+  const Mask all(kBins, kBeams, 1);
+  for (const SpeckleMeasures& speckle :
+       {MeasureSpeckle(one, one, EightyDb(), left, all), MeasureSpeckle(one, one, EightyDb(), all, left)}) {
+    EXPECT_EQ(speckle.real_object.blocks, (kBins / 8 - 1) * (kBeams / 8 - 1));
+    EXPECT_EQ(speckle.real_background.blocks, 0);
+  }
+}
+
 TEST(SpeckleTest, PixelsWithoutMeasurementAreNeitherObjectNorBackground) {
   const Grid<float> one = GammaImage(1.0, 7);
   Mask valid(kBins, kBeams, 1), object(kBins, kBeams);

@@ -75,6 +75,8 @@ TEST(ThresholdSweepTest, CsvAndJsonHoldTheSameCurves) {
   EXPECT_EQ(json["micro"]["iou"]["area"], 0.1);
   EXPECT_TRUE(json["macro"]["na_over_ns"]["curve"][1].is_null());
   EXPECT_TRUE(json["macro"]["na_over_ns"]["area"].is_null());
+  EXPECT_EQ(json["macro"]["na_over_ns"]["axis_share"], 0.0);
+  EXPECT_EQ(json["micro"]["iou"]["axis_share"], 1.0);
 }
 
 // Each setting of the sweep is what the comparison at that setting alone finds.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <random>
 
@@ -71,6 +72,7 @@ TEST(AgainstTest, PairedFramesDetectASmallStepInEitherDirection) {
   EXPECT_EQ(ChangeOf(worse, "intensity.union.rmse").verdict, ChangeVerdict::kWorse);
   EXPECT_EQ(ChangeOf(worse, "intensity.union.psnr_db").verdict, ChangeVerdict::kWorse);
   EXPECT_EQ(worse.Count(ChangeVerdict::kWorse, true), 4);
+  EXPECT_EQ(ChangeOf(worse, "ns_over_nr").earlier, 1.0);
 
   const Against better = CompareAgainst(before, MetricsJson(after), "earlier.json");
   EXPECT_EQ(ChangeOf(better, kError).verdict, ChangeVerdict::kBetter);
@@ -154,6 +156,11 @@ TEST(AgainstTest, IntervalsThatAreNoneAreNotUsed) {
     ci = wrong;
     EXPECT_EQ(verdict(), ChangeVerdict::kNotTold) << wrong.dump();
   }
+  const double now_lo = now.aggregate.macro.polar.At(kError).ci->lo;
+  ci = {whole[0], now_lo};
+  EXPECT_EQ(verdict(), ChangeVerdict::kNotTold) << "intervals that touch are not apart";
+  ci = {whole[0], std::nextafter(now_lo, 0.0)};
+  EXPECT_EQ(verdict(), ChangeVerdict::kWorse);
   // The mean before, and one that is better by as much.
   ci = {0.9, 0.95};
   earlier["macro"]["intensity"]["union"]["mean_absolute"] = 0.93;
@@ -184,6 +191,11 @@ TEST(AgainstTest, DifferencesThatHinderAComparisonAreNoted) {
   after.options.segmentation.sigma_count = 3.0;
   after.frames[0].polar.occupancy.nr = 101;
   const Against against = CompareAgainst(after, MetricsJson(before), "earlier.json");
+  nlohmann::json nameless = nlohmann::json::parse(MetricsJson(before));
+  nameless.erase("real");
+  nameless.erase("segmentation");
+  EXPECT_THAT(CompareAgainst(after, nameless.dump(), "earlier.json").notes,
+              ElementsAre(HasSubstr("in 1 of 5 common frames")));
   EXPECT_THAT(against.notes, ElementsAre(HasSubstr("with tank, this one is with harbour"),
                                          HasSubstr("segmentation"), HasSubstr("in 1 of 5 common frames")));
 }

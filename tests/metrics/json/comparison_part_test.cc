@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "data_io/files/hash.h"
 #include "metrics/aggregate.h"
 #include "tests/metrics/metrics_testing.h"
 
@@ -83,7 +84,8 @@ TEST(ComparisonPartTest, AFileHoldsWhatWasMeasured) {
             ResidualsCsv({part.residuals.ByRange(), part.residuals.ByBeam(), part.residuals_by_scene[0]}));
   EXPECT_EQ(read.residuals.map().cells.rows(), part.residuals.map().cells.rows());
   EXPECT_EQ(read.residuals.map().bins, 2);
-  EXPECT_EQ(read.residuals.map().cells(10, 20).whole.product, part.residuals.map().cells(10, 20).whole.product);
+  EXPECT_EQ(read.residuals.map().cells(10, 20).whole.product,
+            part.residuals.map().cells(10, 20).whole.product);
   EXPECT_THAT(read.notes, ElementsAre("note of 0", "note of all"));
 }
 
@@ -106,6 +108,24 @@ TEST(ComparisonPartTest, ADamagedFileIsRefused) {
   EXPECT_EQ(MessageOf("sonarcal-comparison-part/1 1 2 3\n"),
             fmt::format("part.bin: is no part of a comparison by this version of the program, expected '{}'",
                         bytes.substr(0, bytes.find('\n'))));
+}
+
+// A file whose hash is right, but whose counts say more than it holds: no list takes memory for them.
+TEST(ComparisonPartTest, CountsBeyondTheEndAreRefused) {
+  const std::string bytes = ComparisonPartBytes(PartOf(0, 1));
+  const std::size_t head = bytes.find('\n') + 1;
+  const auto with_hash = [&](const std::string& body) {
+    return bytes.substr(0, head) + data_io::Sha256(body) + body;
+  };
+  const std::string body = bytes.substr(head + 64);
+  EXPECT_EQ(with_hash(body), bytes);
+  for (std::size_t size = 0; size < body.size(); size += size < 100 ? 1 : body.size() / 97) {
+    EXPECT_THAT(MessageOf(with_hash(body.substr(0, size))), HasSubstr("ends in the middle")) << size;
+  }
+  EXPECT_THAT(MessageOf(with_hash(body + "x")), HasSubstr("has 1 bytes after its end"));
+  std::string huge = body;
+  huge[7] = '\x7f';  // in the count of the first text
+  EXPECT_THAT(MessageOf(with_hash(huge)), HasSubstr("ends in the middle"));
 }
 
 // Parts in any order give what one program measures.

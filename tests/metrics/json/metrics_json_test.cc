@@ -87,6 +87,10 @@ TEST(MetricsJsonTest, UndefinedFiguresAreNullWithTheirReason) {
   EXPECT_TRUE(parsed["macro"]["iou"].is_null());
   EXPECT_TRUE(parsed["macro"]["iou_ci"].is_null());
   EXPECT_EQ(parsed["macro"]["frames_left_out"]["iou"], 1);
+  EXPECT_EQ(parsed["macro"]["frames_left_out"]["ns_over_nr"], 1);
+  EXPECT_EQ(parsed["macro"]["frames_left_out"]["intensity_error"], 1);
+  EXPECT_EQ(parsed["ci"]["level"], 0.95);
+  EXPECT_EQ(parsed["ci"]["min_frames"], 3);
   EXPECT_EQ(parsed["ci"]["absent_because"], "1 frame, an interval needs at least 3");
   EXPECT_EQ(parsed["noise_floor"]["real_against_real"]["absent_because"], "1 real frame, two are needed");
   EXPECT_THAT(parsed["noise_floor"]["speckle"]["absent_because"].get<std::string>(), HasSubstr("dB scale"));

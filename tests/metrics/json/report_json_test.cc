@@ -73,16 +73,15 @@ TEST(AgainstJsonTest, VerdictsAreCountedForHeadlinesAndForAll) {
   EXPECT_EQ(json["all_figures"], (Json{{"better", 2}, {"worse", 1}, {"same", 1}, {"not_told", 1}}));
   EXPECT_EQ(json["earlier"], "a.json");
   EXPECT_EQ(json["method"], "whether the two 95 % intervals are apart; too few frames stand in both");
-  EXPECT_EQ(json["figures"][0],
-            (Json{{"view", "fan"},
-                  {"figure", "iou"},
-                  {"headline", true},
-                  {"earlier", 0.5},
-                  {"now", 0.75},
-                  {"worsening", -0.25},
-                  {"worsening_ci", {-0.375, -0.125}},
-                  {"verdict", "better"},
-                  {"explained", 0.5}}));
+  EXPECT_EQ(json["figures"][0], (Json{{"view", "fan"},
+                                      {"figure", "iou"},
+                                      {"headline", true},
+                                      {"earlier", 0.5},
+                                      {"now", 0.75},
+                                      {"worsening", -0.25},
+                                      {"worsening_ci", {-0.375, -0.125}},
+                                      {"verdict", "better"},
+                                      {"explained", 0.5}}));
   EXPECT_TRUE(json["figures"][1]["worsening_ci"].is_null());
   EXPECT_TRUE(json["figures"][1]["explained"].is_null());
   EXPECT_EQ(json["figures"][1]["view"], "polar");
@@ -107,7 +106,8 @@ TEST(SegmentationJsonTest, EachMethodStatesItsOwnParameters) {
   const std::string smoothing = "median_px blur_rows blur_cols ";
   const std::string ring = "guard_rows guard_cols training_rows training_cols ";
   const std::string cell = "false_alarm_rate cell_rows cell_cols ";
-  EXPECT_EQ(names_of(SegmentationMethod::kBackgroundSigma), "background sigma_count min_contrast " + smoothing);
+  EXPECT_EQ(names_of(SegmentationMethod::kBackgroundSigma),
+            "background sigma_count min_contrast " + smoothing);
   EXPECT_EQ(names_of(SegmentationMethod::kOtsu), smoothing);
   EXPECT_EQ(names_of(SegmentationMethod::kTriangle), smoothing);
   EXPECT_EQ(names_of(SegmentationMethod::kFixedThreshold), "threshold_fraction " + smoothing);

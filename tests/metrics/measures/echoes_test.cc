@@ -78,6 +78,8 @@ TEST(EchoesTest, RatiosCountPixelsAboveTheLevel) {
   EXPECT_DOUBLE_EQ(counts.matched_simulated().value(), 1.0);
   counts += CountEchoes(simulated, real, 5.0);
   EXPECT_DOUBLE_EQ(counts.coverage_ratio().value(), 1.0) << "pooled";
+  EXPECT_DOUBLE_EQ(counts.matched_real().value(), (2.0 + 4.0) / 7.0);
+  EXPECT_DOUBLE_EQ(counts.matched_simulated().value(), (4.0 + 2.0) / 7.0);
 }
 
 TEST(EchoesTest, WithoutEchoesThereIsNoRatio) {

@@ -113,6 +113,9 @@ TEST(OutlineTest, AnEmptyRegionHasNoDistanceAndPoolingCountsOnlyTheOthers) {
 
   OutlineDistance pooled = MeasureOutlines(region, MaskOf({"..", "#."}), axes);
   EXPECT_NEAR(*pooled.hausdorff_95_m(), 0.01, 1e-12);
+  OutlineDistance twice = pooled;
+  twice += pooled;
+  EXPECT_NEAR(*twice.mean_m(), 0.01, 1e-12);
   pooled += nothing;
   EXPECT_NEAR(*pooled.hausdorff_95_m(), 0.01, 1e-12);
   pooled += MeasureOutlines(region, region, axes);

@@ -130,6 +130,29 @@ TEST(CfarTest, AgreesWithTheWindowGatheredPixelByPixel) {
   }
 }
 
+// Three pixels of a third of a look each: the cell has one look, its training cells have fewer.
+TEST(CfarTest, OrderedCellsOfOneLookAreNotExponentialWhereTheirPixelsAreNot) {
+  SegmentationOptions options = Options(SegmentationMethod::kOsCfar);
+  options.looks = 1.0 / 3.0;
+  options.cell_rows = 3;
+  const Grid<float> power = Noise(6, 1.0 / 3.0, 40, 30);
+  const Grid<float> decades = CfarDecadesInPower(power, options);
+  std::vector<double> cells;
+  for (int row = 20 - 8; row <= 20 + 8; ++row) {
+    for (int col = 15 - 6; col <= 15 + 6; ++col) {
+      if (std::abs(row - 20) > 3 || std::abs(col - 15) > 2) cells.push_back(power(row, col));
+    }
+  }
+  std::sort(cells.begin(), cells.end());
+  const int count = static_cast<int>(cells.size());
+  const int rank = static_cast<int>(std::lround(0.75 * count));
+  const double cell = (power(19, 15) + power(20, 15) + power(21, 15)) / 3.0;
+  const double exact = OrderedStatisticLaw(1.0, 1.0 / 3.0, count, rank).Decades(cell / cells[rank - 1]);
+  EXPECT_NEAR(decades(20, 15), exact, 1e-2 * (1.0 + exact));
+  EXPECT_GT(std::abs(OrderedStatisticLaw(1.0, 1.0, count, rank).Decades(cell / cells[rank - 1]) - exact),
+            0.05);
+}
+
 // Grey levels: the excess over the mean in standard deviations, or over a quantile in distances between two.
 TEST(CfarTest, InGreyAgreesWithTheWindowGatheredPixelByPixel) {
   const Grid<float> grey = LogGrey(Noise(4, 1.0, 40, 30), 12.0);
@@ -182,6 +205,8 @@ TEST(CfarTest, SilenceIsExceededByAnyEchoAndByNoSilence) {
   const Grid<float> averaged = CfarDecadesInPower(power, Options(SegmentationMethod::kCaCfar));
   EXPECT_EQ(averaged(20, 15), static_cast<float>(kMaxDecades));
   EXPECT_EQ(averaged(20, 14), 0.0F);
+  const Grid<float> silence(40, 30, 0.0F);
+  EXPECT_EQ(CfarDecadesInPower(silence, Options(SegmentationMethod::kCaCfar))(20, 15), 0.0F);
 }
 
 TEST(CfarTest, ASecondObjectHidesAWeakOneFromCellAveragingOnly) {

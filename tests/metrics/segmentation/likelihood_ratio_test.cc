@@ -172,12 +172,13 @@ TEST(PowerOfGreyTest, ClippedLevelsCountAsHalfTheEdge) {
 TEST(PowerOfGreyTest, ValuesBeyondTheScaleCountAsItsEnds) {
   const auto power_of_value = LogDisplayPower(40.0);
   const Grid<float> power =
-      PowerOfGrey(testing::GridOf({{-3.0f, 100.0f, 101.0f, 130.0f, 0.25f}}), 100.0, power_of_value);
+      PowerOfGrey(testing::GridOf({{-3.0f, 100.0f, 101.0f, 130.0f, 0.25f, 0.5f}}), 100.0, power_of_value);
   EXPECT_FLOAT_EQ(power(0, 0), static_cast<float>(0.5 * std::pow(10.0, 4.0 * 0.005)));
   EXPECT_FLOAT_EQ(power(0, 1), 1e4f);
   EXPECT_FLOAT_EQ(power(0, 2), 1e4f);
   EXPECT_FLOAT_EQ(power(0, 3), 1e4f);
   EXPECT_FLOAT_EQ(power(0, 4), power(0, 0));
+  EXPECT_FLOAT_EQ(power(0, 5), 2.0f * power(0, 0)) << "half a level is not clipped";
   // Too many levels for a table.
   const Grid<float> fine = PowerOfGrey(testing::GridOf({{0.0f, 50000.0f, 2e6f}}), 1e6, power_of_value);
   EXPECT_FLOAT_EQ(fine(0, 0), static_cast<float>(0.5 * std::pow(10.0, 4.0 * 0.5e-6)));

@@ -18,6 +18,8 @@ TEST(BoxAroundTest, TheBoundingBoxGrowsByItsMarginsAndEndsAtTheImage) {
   const Mask object = MaskOf({"......", "......", "..#...", "...#..", "......"});
   EXPECT_EQ(BoxAround(object, 0, 0), MaskOf({"......", "......", "..##..", "..##..", "......"}));
   EXPECT_EQ(BoxAround(object, 3, 1), MaskOf({".####.", ".####.", ".####.", ".####.", ".####."}));
+  EXPECT_EQ(BoxAround(MaskOf({"#...", "....", "...#"}), 0, 0), Mask(3, 4, 1));
+  EXPECT_EQ(BoxAround(MaskOf({"#..", "..."}), 1, 1), MaskOf({"##.", "##."}));
   EXPECT_EQ(CountSet(BoxAround(Mask(4, 4), 2, 2)), 0);
 }
 

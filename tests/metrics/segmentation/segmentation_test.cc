@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/imaging/fan_image.h"
+#include "metrics/segmentation/scored_image.h"
 #include "tests/metrics/metrics_testing.h"
 
 namespace sonarcal::metrics {
@@ -340,6 +341,37 @@ TEST(SegmentationTest, InvalidPixelsMayHoldAnything) {
   } catch (const DataError& error) {
     EXPECT_THAT(error.what(), HasSubstr("pixel (row 0, column 2) is nan"));
   }
+}
+
+TEST(SegmentationTest, TheFirstPixelCountsAsAnyOther) {
+  Grid<float> value = GridOf({{200.0f, 10.0f, 20.0f, 12.0f}});
+  EXPECT_EQ(Segment(value, 255.0, Bare(SegmentationMethod::kOtsu)).threshold, 20.0);
+  value(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(Segment(value, 255.0, Bare(SegmentationMethod::kOtsu)), DataError);
+}
+
+TEST(ScoredImageTest, TheSettingOfAnImagesOwnThresholdIsItsPartOfFullScale) {
+  const Grid<float> value = GridOf({{10.0f, 12.0f, 11.0f, 200.0f, 220.0f}});
+  const ScoredImage scored(value, ImageScale{}, Bare(SegmentationMethod::kOtsu), nullptr, nullptr);
+  EXPECT_EQ(scored.setting(), 12.0 / 255.0);
+  EXPECT_EQ(scored.ThresholdAt(scored.setting()), 12.0);
+  EXPECT_EQ(scored.ThresholdAt(0.5), 127.5);
+}
+
+TEST(ScoredImageTest, AContrastInDecibelsNeedsBothEndsOfTheScaleOrItsSpan) {
+  const Grid<float> value(3, 3, 10.0f);
+  SegmentationOptions options = Bare(SegmentationMethod::kLocalContrast);
+  options.contrast_db = 6.0;
+  ImageScale scale;
+  scale.db_span = 60.0;
+  EXPECT_EQ(ScoredImage(value, scale, options, nullptr, nullptr).setting(), 0.1);
+  scale.db_min = 20.0;  // one end says nothing
+  EXPECT_EQ(ScoredImage(value, scale, options, nullptr, nullptr).setting(), 0.1);
+  scale.db_max = 60.0;
+  EXPECT_EQ(ScoredImage(value, scale, options, nullptr, nullptr).setting(), 0.15);
+  scale.db_span.reset();
+  scale.db_max.reset();
+  EXPECT_THROW(ScoredImage(value, scale, options, nullptr, nullptr), DataError);
 }
 
 TEST(SegmentationTest, HolesAndHullsAreFilled) {

@@ -109,6 +109,24 @@ TEST(TriangleTest, AgreesWithOpenCvOnAnEightBitImage) {
   }
 }
 
+// Few values, of which each moves the line: the longer tail on either side, and ends beside 0 and full scale.
+TEST(TriangleTest, AgreesWithOpenCvOnSparseHistograms) {
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int first = trial % 4, last = 255 - trial / 4 % 4;
+    std::vector<float> values = {static_cast<float>(first), static_cast<float>(last)};
+    const int top = 20 + static_cast<int>(random() % 216);
+    values.insert(values.end(), 30, static_cast<float>(top));
+    for (int i = 0; i < 120; ++i) values.push_back(static_cast<float>(first + random() % (last - first + 1)));
+    cv::Mat1b image(1, static_cast<int>(values.size()));
+    for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);
+    cv::Mat1b binary;
+    const double reference =
+        cv::threshold(image, binary, 0.0, 255.0, cv::THRESH_BINARY | cv::THRESH_TRIANGLE);
+    EXPECT_NEAR(TriangleThreshold(values, 255.0), reference, 1e-9) << "trial " << trial;
+  }
+}
+
 // Levels piled up at 0 and at full scale, where the histogram has no empty class beside them.
 TEST(TriangleTest, AgreesWithOpenCvWhereLevelsReachTheEnds) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -69,6 +69,7 @@ TEST(DetectionScoresTest, TheCurveHasTheDetectionsAtFallingScores) {
   EXPECT_EQ(curve.recall, (std::vector<double>{0.5, 1.0, 1.0}));
   EXPECT_EQ(curve.precision, (std::vector<double>{1.0, 2.0 / 3.0, 0.5}));
   EXPECT_TRUE(ScoreCounts().Curve().recall.empty());
+  EXPECT_EQ(CountScores(GridOf({{0.5F}}), MaskOf({"#"})).Curve().recall, (std::vector<double>{1.0}));
   ScoreCounts even;
   even.object.fill(1);
   even.other.fill(1);
@@ -161,28 +162,29 @@ TEST(PixelDetectorTest, FeaturesAreBoxMeansAndSpreads) {
   std::vector<float> sorted(value.values().begin(), value.values().end());
   std::ranges::sort(sorted);
   const double median = 0.5 * (sorted[sorted.size() / 2 - 1] + sorted[sorted.size() / 2]);
-  const int row = 50, col = 20;
-  const auto box = [&](int half) {
-    double sum = 0.0, square = 0.0, count = 0.0;
-    for (int r = row - half; r <= row + half; ++r) {
-      for (int c = col - half; c <= col + half; ++c) {
-        const double share = (value(r, c) - median) / 255.0;
-        sum += share;
-        square += share * share;
-        ++count;
+  for (const auto& [row, col] : {std::pair{50, 20}, std::pair{0, 0}, std::pair{119, 39}}) {
+    const auto box = [&, row = row, col = col](int half) {
+      double sum = 0.0, square = 0.0, count = 0.0;
+      for (int r = std::max(0, row - half); r <= std::min(119, row + half); ++r) {
+        for (int c = std::max(0, col - half); c <= std::min(39, col + half); ++c) {
+          const double share = (value(r, c) - median) / 255.0;
+          sum += share;
+          square += share * share;
+          ++count;
+        }
       }
-    }
-    return std::pair{sum / count, std::sqrt(square / count - sum / count * sum / count)};
-  };
-  const int pixel = row * 40 + col;
-  EXPECT_NEAR(features(pixel, 0), (value(row, col) - median) / 255.0, 1e-6);
-  EXPECT_NEAR(features(pixel, 1), box(1).first, 1e-6);
-  EXPECT_NEAR(features(pixel, 2), box(1).first - box(4).first, 1e-6);
-  EXPECT_NEAR(features(pixel, 3), box(4).first - box(13).first, 1e-6);
-  EXPECT_NEAR(features(pixel, 4), box(13).first, 1e-6);
-  EXPECT_NEAR(features(pixel, 5), box(4).second, 1e-6);
-  EXPECT_NEAR(features(pixel, 6), box(13).second, 1e-6);
-  for (int f = 0; f < kPixelFeatures; ++f) EXPECT_NEAR(features(pixel, f), of_brighter(pixel, f), 1e-5);
+      return std::pair{sum / count, std::sqrt(square / count - sum / count * sum / count)};
+    };
+    const int pixel = row * 40 + col;
+    EXPECT_NEAR(features(pixel, 0), (value(row, col) - median) / 255.0, 1e-6);
+    EXPECT_NEAR(features(pixel, 1), box(1).first, 1e-6);
+    EXPECT_NEAR(features(pixel, 2), box(1).first - box(4).first, 1e-6);
+    EXPECT_NEAR(features(pixel, 3), box(4).first - box(13).first, 1e-6);
+    EXPECT_NEAR(features(pixel, 4), box(13).first, 1e-6);
+    EXPECT_NEAR(features(pixel, 5), box(4).second, 1e-6);
+    EXPECT_NEAR(features(pixel, 6), box(13).second, 1e-6);
+    for (int f = 0; f < kPixelFeatures; ++f) EXPECT_NEAR(features(pixel, f), of_brighter(pixel, f), 1e-5);
+  }
 }
 
 TEST(PixelDetectorTest, NeedsBothClasses) {
@@ -225,6 +227,7 @@ TEST(TransferTest, ShownFramesHaveTheDetectionsOfTheFigures) {
   EXPECT_EQ(transfer.shown.size(), 4U);
   EXPECT_EQ(pooled.iou(), transfer.simulated.iou.value);
   EXPECT_EQ(reference.recall(), transfer.reference.recall.value);
+  EXPECT_EQ(pooled.precision(), transfer.simulated.precision.value);
   EXPECT_EQ(transfer.simulated_curve.recall.back(), 1.0);
   EXPECT_DOUBLE_EQ(transfer.simulated_curve.precision.back(), transfer.object_share);
   EXPECT_GT(transfer.reference_curve.precision.front(), 0.9);
