@@ -22,7 +22,7 @@ const Json& At(const Json& view, std::string_view path) {
   while (!path.empty()) {
     const std::size_t dot = std::min(path.find('.'), path.size());
     const std::string key(path.substr(0, dot));
-    if (!node->is_object() || !node->contains(key)) return kNone;
+    if (!node->contains(key)) return kNone;  // only objects contain keys
     node = &(*node)[key];
     path.remove_prefix(std::min(dot + 1, path.size()));
   }
@@ -52,11 +52,13 @@ struct Pair {
 
 std::vector<Pair> CommonFrames(const MetricsReport& now, const Json& earlier) {
   std::map<std::pair<int, std::string>, const Json*> frames;
-  if (!earlier.contains("frames") || !earlier["frames"].is_array()) return {};
-  for (const Json& frame : earlier["frames"]) {
-    if (!frame.is_object() || !frame.contains("index") || !frame["index"].is_number_integer()) continue;
-    const bool named = frame.contains("name") && frame["name"].is_string();
-    frames[{frame["index"].get<int>(), named ? frame["name"].get<std::string>() : std::string()}] = &frame;
+  const Json& listed = At(earlier, "frames");
+  if (!listed.is_array()) return {};
+  for (const Json& frame : listed) {
+    const Json& index = At(frame, "index");
+    const Json& name = At(frame, "name");
+    if (!index.is_number_integer()) continue;
+    frames[{index.get<int>(), name.is_string() ? name.get<std::string>() : std::string()}] = &frame;
   }
   std::vector<Pair> pairs;
   for (const FrameMetrics& frame : now.frames) {

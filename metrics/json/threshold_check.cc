@@ -21,7 +21,7 @@ const nlohmann::ordered_json* Find(const nlohmann::ordered_json& metrics, std::s
   for (std::size_t begin = 0; begin <= path.size() && node != nullptr;) {
     const std::size_t end = std::min(path.find('.', begin), path.size());
     const std::string key(path.substr(begin, end - begin));
-    node = node->is_object() && node->contains(key) ? &(*node)[key] : nullptr;
+    node = node->contains(key) ? &(*node)[key] : nullptr;
     begin = end + 1;
   }
   return node;

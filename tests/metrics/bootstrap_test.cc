@@ -121,6 +121,11 @@ TEST(BootstrapTest, BlockLengthsAreThoseOfThePublishedRule) {
       }
     }
   }
+  for (const int count : {30, 400}) {  // as correlated as can be
+    std::vector<double> ramp;
+    for (int i = 0; i < count; ++i) ramp.push_back(i);
+    EXPECT_EQ(PolitisWhiteBlockLength(ramp), BlockLengthAsPublished(ramp)) << count;
+  }
   EXPECT_EQ(*std::ranges::min_element(lengths), 1);
   EXPECT_GE(*std::ranges::max_element(lengths), 30);
 }

@@ -117,6 +117,8 @@ TEST(CompareTest, FramesOfDifferentKindsAreRefusedWithTheFieldThatDiffers) {
               HasSubstr("geometry: the real and the simulated frame have range windows"));
   EXPECT_EQ(RefusalOf([](PolarImage& r, PolarImage&) { r.value = Grid<float>(3, 4); }),
             "the real frame holds 3 x 4 pixels, expected 120 range bins x 40 beams");
+  EXPECT_EQ(RefusalOf([](PolarImage&, PolarImage& s) { s.value = Grid<float>(120, 41); }),
+            "the simulated frame holds 120 x 41 pixels, expected 120 range bins x 40 beams");
 }
 
 TEST(CompareTest, ADbScaleKnownToOneSideIsNoted) {
@@ -131,10 +133,23 @@ TEST(CompareTest, ADbScaleKnownToOneSideIsNoted) {
   EXPECT_THAT(CompareFrames(real, simulated).notes, IsEmpty());
 }
 
+TEST(CompareTest, OneEndOfTheDbScaleStatesIt) {
+  PolarImage simulated = SpeckledBlock(2);
+  simulated.scale.db_min = 80.0;
+  EXPECT_EQ(CompareFrames(SpeckledBlock(1), simulated).notes.size(), 1U);
+  EXPECT_FALSE(DbSpan(simulated.scale));
+  simulated.scale.db_span = 60.0;
+  EXPECT_EQ(DbSpan(simulated.scale), 60.0);
+  simulated.scale.db_max = 130.0;
+  EXPECT_EQ(DbSpan(simulated.scale), 50.0);
+}
+
 TEST(CompareTest, TheRegionOfInterestMustFitTheImage) {
   CompareOptions options;
-  options.region = Mask(3, 4, 1);
-  EXPECT_THROW(CompareFrames(SpeckledBlock(1), SpeckledBlock(2), options), DataError);
+  for (const auto& [rows, cols] : {std::pair{3, 4}, std::pair{120, 39}, std::pair{119, 40}}) {
+    options.region = Mask(rows, cols, 1);
+    EXPECT_THROW(CompareFrames(SpeckledBlock(1), SpeckledBlock(2), options), DataError);
+  }
   options.region = Mask(120, 40, 0);
   const FrameMetrics nothing = CompareFrames(SpeckledBlock(1), SpeckledBlock(2), options);
   EXPECT_EQ(nothing.polar.occupancy.iou(), std::nullopt);
@@ -199,8 +214,11 @@ TEST(CompareTest, SamplesThatAreNotValidCountNowhere) {
               (with_zeros.*view).intensity.whole.mean_absolute());
     EXPECT_GT((with_anything.*view).occupancy.iou(), 0.5);
   }
-  EXPECT_LT(with_anything.fan.intensity.whole.pixels,
-            CompareFrames(real, simulated).fan.intensity.whole.pixels);
+  const std::int64_t all_of_fan = CompareFrames(real, simulated).fan.intensity.whole.pixels;
+  EXPECT_LT(with_anything.fan.intensity.whole.pixels, all_of_fan);
+  EXPECT_GT(with_anything.fan.intensity.whole.pixels, all_of_fan / 2);
+  options.valid = Mask(120, 40, 1);
+  EXPECT_EQ(CompareFrames(real, simulated, options).fan.intensity.whole.pixels, all_of_fan);
   options.valid = Mask(3, 4, 1);
   EXPECT_THROW(CompareFrames(real, simulated, options), DataError);
 }

@@ -73,6 +73,16 @@ TEST(RealAgainstRealTest, OnlyFramesOfOnePoseAreCompared) {
   EXPECT_TRUE(floor.notes.empty());
 }
 
+TEST(RealAgainstRealTest, APoseOfOneFrameDoesNotTellWhetherTheSonarMoved) {
+  for (const bool first : {true, false}) {
+    const MemoryRecording recording({}, {FrameAt(1, first ? std::optional(0.0) : std::nullopt),
+                                         FrameAt(2, first ? std::nullopt : std::optional(0.0))});
+    const RealAgainstReal floor = CompareRealWithReal(recording, {});
+    EXPECT_EQ(floor.pairs.size(), 1U);
+    EXPECT_TRUE(floor.assumed_still);
+  }
+}
+
 TEST(RealAgainstRealTest, TheReasonIsGivenWhereThereIsNoPair) {
   EXPECT_EQ(CompareRealWithReal(MemoryRecording({}, {FrameAt(1, 0.0)}), {}).absent_reason,
             "1 real frame, two are needed");

@@ -58,6 +58,8 @@ TEST(ThresholdSweepTest, PooledAndMeanCurvesAndTheirAreas) {
   EXPECT_NEAR(sweep.AreaUnder(na_over_ns)->area, 0.5 * (1.0 + 22.0 / 24.0), 1e-12);
   EXPECT_NEAR(sweep.AreaUnder(na_over_ns)->axis_share, 1.0 / 3.0, 1e-12);
   EXPECT_EQ(sweep.AreaUnder({std::nullopt, 1.0, std::nullopt}), std::nullopt);
+  const ThresholdSweep from_two({2.0, 3.0, 6.0});
+  EXPECT_NEAR(from_two.AreaUnder({1.0, 0.5, std::nullopt})->axis_share, 0.25, 1e-12);
 }
 
 TEST(ThresholdSweepTest, CsvAndJsonHoldTheSameCurves) {

@@ -161,6 +161,9 @@ TEST(AgainstTest, IntervalsThatAreNoneAreNotUsed) {
   EXPECT_EQ(verdict(), ChangeVerdict::kNotTold) << "intervals that touch are not apart";
   ci = {whole[0], std::nextafter(now_lo, 0.0)};
   EXPECT_EQ(verdict(), ChangeVerdict::kWorse);
+  const double now_hi = now.aggregate.macro.polar.At(kError).ci->hi;
+  ci = {now_hi, 0.95};
+  EXPECT_EQ(verdict(), ChangeVerdict::kNotTold);
   // The mean before, and one that is better by as much.
   ci = {0.9, 0.95};
   earlier["macro"]["intensity"]["union"]["mean_absolute"] = 0.93;
@@ -177,6 +180,12 @@ TEST(AgainstTest, WithoutCommonFramesTheIntervalsDecide) {
   EXPECT_FALSE(ChangeOf(close, kError).worsening_ci);
   const Against far = CompareAgainst(RunOf(16, 0.4, 2, 16), MetricsJson(before), "earlier.json");
   EXPECT_EQ(ChangeOf(far, kError).verdict, ChangeVerdict::kWorse);
+}
+
+TEST(AgainstTest, ThreeCommonFramesArePaired) {
+  const Against against = CompareAgainst(RunOf(3, 0.1, 1), MetricsJson(RunOf(3, 0.0, 2)), "earlier.json");
+  EXPECT_EQ(against.common_frames, 3);
+  EXPECT_TRUE(ChangeOf(against, kError).worsening_ci);
 }
 
 TEST(AgainstTest, OneFrameGivesNoVerdict) {

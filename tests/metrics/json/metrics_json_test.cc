@@ -96,6 +96,12 @@ TEST(MetricsJsonTest, UndefinedFiguresAreNullWithTheirReason) {
   EXPECT_THAT(parsed["noise_floor"]["speckle"]["absent_because"].get<std::string>(), HasSubstr("dB scale"));
 }
 
+TEST(MetricsJsonTest, FiguresOfEveryFrameAreNotAmongThoseLeftOut) {
+  const json parsed = json::parse(MetricsJson(ReportOf(1)));
+  EXPECT_FALSE(parsed["macro"]["frames_left_out"].contains("iou"));
+  EXPECT_TRUE(parsed["macro"]["frames_left_out"].contains("distribution.whole.emd_db"));
+}
+
 TEST(MetricsJsonTest, SegmentationAndNoiseFloorAreStated) {
   MetricsReport report = ReportOf(1);
   report.options.segmentation.sigma_count = 3.5;

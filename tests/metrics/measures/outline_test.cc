@@ -116,6 +116,7 @@ TEST(OutlineTest, AnEmptyRegionHasNoDistanceAndPoolingCountsOnlyTheOthers) {
   OutlineDistance twice = pooled;
   twice += pooled;
   EXPECT_NEAR(*twice.mean_m(), 0.01, 1e-12);
+  EXPECT_EQ(twice.frames, 2);
   pooled += nothing;
   EXPECT_NEAR(*pooled.hausdorff_95_m(), 0.01, 1e-12);
   pooled += MeasureOutlines(region, region, axes);

@@ -67,6 +67,12 @@ TEST(ResidualsTest, TheMapIsCoarseAndLosesNoPixel) {
   ResidualCollector of_whole_cells;
   of_whole_cells.Add(whole_cells, whole_cells, Mask(129, 70), Mask(129, 70));
   EXPECT_EQ(of_whole_cells.map().cells.rows(), 43);
+
+  const PolarImage of_64 = ImageOf(64, 65, 50.0F);
+  ResidualCollector of_64_bins;
+  of_64_bins.Add(of_64, of_64, Mask(64, 65), Mask(64, 65));
+  EXPECT_EQ(of_64_bins.map().bins, 1);
+  EXPECT_EQ(of_64_bins.map().beams, 2);
 }
 
 TEST(ResidualsTest, FramesOfOtherAxesAreLeftOut) {

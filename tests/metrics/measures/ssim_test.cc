@@ -96,6 +96,9 @@ TEST(SsimTest, AnImageSmallerThanAWindowHasNoValue) {
   const Grid<float> small(10, 40, 3.0f);
   const Mask none(10, 40);
   EXPECT_FALSE(MeasureSsim(small, small, 255.0, none, none).whole.mean());
+  const Grid<float> narrow(40, 10, 3.0f), one_window(11, 11, 3.0f);
+  EXPECT_FALSE(MeasureSsim(narrow, narrow, 255.0, Mask(40, 10), Mask(40, 10)).whole.mean());
+  EXPECT_EQ(MeasureSsim(one_window, one_window, 255.0, Mask(11, 11), Mask(11, 11)).whole.windows, 1);
 }
 
 }  // namespace

@@ -74,6 +74,9 @@ TEST(InsidePolygonTest, PixelsWhoseCentresLieInside) {
             MaskOf({"#####", ".###.", "..#..", "..#.."}));
   EXPECT_EQ(InsidePolygon({{5.0, 0.1}, {1.0, 2.5}, {1.0, -2.5}}, FiveBeams()),
             MaskOf({"#####", ".###.", "..#..", "..#.."}));
+  // Corners at the ranges of centres: the near one counts, the far one does not.
+  EXPECT_EQ(InsidePolygon({{1.5, -1.5}, {1.5, 1.5}, {3.5, 1.5}, {3.5, -1.5}}, FiveBeams()),
+            MaskOf({".###.", ".###.", ".....", "....."}));
 }
 
 TEST(InsidePolygonTest, AHollowPolygonLeavesItsHollowOut) {

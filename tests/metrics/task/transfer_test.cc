@@ -147,10 +147,10 @@ TEST(DetectionScoresTest, ScoresFallIntoEvenClassesAndTheLastHoldsOne) {
 
 TEST(DetectionScoresTest, DetectionsOfFramesAddUp) {
   Detection sum{.true_positives = 6, .false_positives = 2, .false_negatives = 1};
-  sum += Detection{.true_positives = 2, .false_positives = 0, .false_negatives = 3};
-  EXPECT_DOUBLE_EQ(sum.precision().value(), 0.8);
+  sum += Detection{.true_positives = 2, .false_positives = 1, .false_negatives = 3};
+  EXPECT_DOUBLE_EQ(sum.precision().value(), 8.0 / 11.0);
   EXPECT_DOUBLE_EQ(sum.recall().value(), 8.0 / 12.0);
-  EXPECT_DOUBLE_EQ(sum.iou().value(), 8.0 / 14.0);
+  EXPECT_DOUBLE_EQ(sum.iou().value(), 8.0 / 15.0);
 }
 
 TEST(PixelDetectorTest, FeaturesAreBoxMeansAndSpreads) {
