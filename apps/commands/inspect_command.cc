@@ -195,7 +195,20 @@ Json ImageToJson(const ImageScale& scale, const data_io::RecordingSummary& summa
   return json;
 }
 
-// Both read the statistics of the first frame, and state if it is damaged.
+// Sentences on damaged frames.
+std::vector<std::string> DamageNotes(const RecordingSource& recording,
+                                     const data_io::RecordingSummary& summary) {
+  std::vector<std::string> notes;
+  if (!summary.first_frame_failure.empty()) notes.push_back(summary.first_frame_failure);
+  if (summary.frames_without_header > 0) {
+    notes.push_back(fmt::format("{} of {} frames cannot be read, the first because: {}",
+                                summary.frames_without_header, recording.frame_count(),
+                                summary.header_failure));
+  }
+  return notes;
+}
+
+// Both read the statistics of the first frame, and state if frames are damaged.
 std::string DescribeRecording(const RecordingSource& recording) {
   const RecordingInfo& info = recording.info();
   const data_io::RecordingSummary summary = data_io::Summarize(recording);
@@ -214,7 +227,7 @@ std::string DescribeRecording(const RecordingSource& recording) {
   if (summary.first_frame) page.Add("first frame", PixelsText(*summary.first_frame, info.scale));
   if (const std::string text = SaturationText(summary, info.sonar.axes); !text.empty())
     page.Add("saturated", text);
-  if (!summary.first_frame_failure.empty()) page.Add("first frame", summary.first_frame_failure);
+  page.AddList("damaged", DamageNotes(recording, summary));
   if (info.sonar.sound_speed_m_per_s > 0.0) {
     page.Add("sound speed", fmt::format("{:.2f} m/s", info.sonar.sound_speed_m_per_s));
   }
@@ -244,7 +257,7 @@ Json RecordingToJson(const RecordingSource& recording) {
   json["details"] = Json::object();
   for (const auto& [name, value] : info.details) json["details"][name] = value;
   json["notes"] = info.notes;
-  if (!summary.first_frame_failure.empty()) json["notes"].push_back(summary.first_frame_failure);
+  for (const std::string& note : DamageNotes(recording, summary)) json["notes"].push_back(note);
   return json;
 }
 

@@ -23,7 +23,7 @@ namespace {
 using Bytes = std::shared_ptr<const std::string>;
 using Index = std::uint32_t;  // of a node
 
-enum class Function { kReconstruct, kFromBuffer, kNdarray, kDtype, kEncode };
+enum class Function { kReconstruct, kFromBuffer, kNdarray, kDtype, kEncode, kBytes };
 
 struct KnownFunction {
   std::string_view module;
@@ -39,6 +39,10 @@ constexpr std::array kFunctions = {
     KnownFunction{"numpy", "ndarray", Function::kNdarray},
     KnownFunction{"numpy", "dtype", Function::kDtype},
     KnownFunction{"_codecs", "encode", Function::kEncode},
+    KnownFunction{"builtins", "bytes", Function::kBytes},
+    KnownFunction{"builtins", "bytearray", Function::kBytes},
+    KnownFunction{"__builtin__", "bytes", Function::kBytes},
+    KnownFunction{"__builtin__", "bytearray", Function::kBytes},
 };
 
 struct None {};
@@ -427,6 +431,11 @@ class Unpickler {
       case Function::kEncode: {
         require(2, 2);
         return Push(Encoded(arguments));
+      }
+      case Function::kBytes: {
+        require(0, 1);
+        if (arguments.empty()) return PushBytes(0);
+        return Push(Expect<Bytes>(arguments[0], "bytes"));
       }
       case Function::kNdarray:
         Fail("a call of numpy.ndarray, expected one of _reconstruct");

@@ -5,7 +5,8 @@
 //
 //   values     None, bool, int of up to 64 bits, float, str, bytes, bytearray, tuple, list, dict
 //   functions  numpy.ndarray, numpy.dtype, numpy.core.multiarray._reconstruct,
-//              numpy.core.numeric._frombuffer (both also in numpy._core), _codecs.encode to Latin-1
+//              numpy.core.numeric._frombuffer (both also in numpy._core), _codecs.encode to Latin-1,
+//              bytes and bytearray of nothing or of bytes (builtins, __builtin__)
 //
 // Any other function is refused by name and never looked up. Arrays have a boolean, integer or floating-point
 // type of 1 to 8 bytes, except 16-bit floats. Refused too: objects of other classes, out-of-band buffers,

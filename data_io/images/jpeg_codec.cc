@@ -12,12 +12,43 @@
 namespace sonarcal::data_io {
 namespace {
 
+constexpr const char* kSegment = "JPEG segment";  // in messages
+
+bool IsFrame(std::uint8_t marker) {
+  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+}
+bool IsScan(std::uint8_t marker) {
+  return marker == 0xda;
+}
+
+// Number of the two bytes at `at`, big-endian.
+int U16(const ByteReader& reader, std::uint64_t at) {
+  return reader.U8(at, kSegment) << 8 | reader.U8(at + 1, kSegment);
+}
+
+// Position of the first segment of a kind. Throws DataError, naming `what`, if there is none.
+std::uint64_t FindSegment(const ByteReader& reader, bool (*is_wanted)(std::uint8_t marker),
+                          const char* what) {
+  std::uint64_t at = 2;
+  while (reader.U8(at, kSegment) == 0xff) {
+    const std::uint8_t marker = reader.U8(at + 1, kSegment);
+    if (marker == 0xff) {  // padding
+      ++at;
+      continue;
+    }
+    if (is_wanted(marker)) return at;
+    at += 2 + static_cast<std::uint64_t>(U16(reader, at + 2));
+  }
+  throw DataError("{}: byte {}: a JPEG without a {}, or a damaged one", reader.file(), at, what);
+}
+
 // Decodes to `type`, CV_8UC1 or CV_8UC3.
 cv::Mat Decode(std::string_view bytes, const std::string& name, int type) {
   const ImageHeader header = ReadJpegHeader(bytes, name);
   // The decoder fills missing data without an error. A complete file ends with the end marker, possibly
-  // padded.
-  if (bytes.rfind("\xff\xd9") == std::string_view::npos)
+  // padded. A thumbnail before the first scan has an end marker of its own.
+  const ByteReader reader(std::as_bytes(std::span(bytes)), name);
+  if (bytes.find("\xff\xd9", FindSegment(reader, IsScan, "scan")) == std::string_view::npos)
     throw DataError("{}: truncated JPEG, expected an end marker", name);
   cv::Mat image;
   try {
@@ -40,33 +71,17 @@ bool IsJpeg(std::string_view bytes) {
 
 ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name) {
   const ByteReader reader(std::as_bytes(std::span(bytes)), name);
-  const auto u16 = [&](std::uint64_t at) {  // big-endian
-    return reader.U8(at, "JPEG segment") << 8 | reader.U8(at + 1, "JPEG segment");
-  };
-  std::uint64_t at = 2;
-  while (reader.U8(at, "JPEG segment") == 0xff) {
-    const std::uint8_t marker = reader.U8(at + 1, "JPEG segment");
-    if (marker == 0xff) {  // padding
-      ++at;
-      continue;
-    }
-    const bool is_frame =
-        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-    if (is_frame) {
-      const ImageHeader header{.rows = u16(at + 5),
-                               .cols = u16(at + 7),
-                               .channels = reader.U8(at + 9, "JPEG components"),
-                               .bits = reader.U8(at + 4, "JPEG precision")};
-      // CheckImageHeader is not used: a JPEG of one colour is smaller than it accepts.
-      if (header.pixels() <= 0 || header.pixels() > kMaxImagePixels) {
-        throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows,
-                        header.cols, kMaxImagePixels);
-      }
-      return header;
-    }
-    at += 2 + static_cast<std::uint64_t>(u16(at + 2));
+  const std::uint64_t at = FindSegment(reader, IsFrame, "frame");
+  const ImageHeader header{.rows = U16(reader, at + 5),
+                           .cols = U16(reader, at + 7),
+                           .channels = reader.U8(at + 9, "JPEG components"),
+                           .bits = reader.U8(at + 4, "JPEG precision")};
+  // CheckImageHeader is not used: a JPEG of one colour is smaller than it accepts.
+  if (header.pixels() <= 0 || header.pixels() > kMaxImagePixels) {
+    throw DataError("{}: a JPEG of {} x {} pixels, expected 1 to {} pixels", name, header.rows, header.cols,
+                    kMaxImagePixels);
   }
-  throw DataError("{}: byte {}: a JPEG without a frame, or a damaged one", name, at);
+  return header;
 }
 
 Grid<std::uint8_t> DecodeJpegGrey(std::string_view bytes, const std::string& name) {

@@ -59,7 +59,7 @@ class PngReader : PngSession {
     png_set_read_fn(png_, this, ReadBytes);
     try {
       Guard(what_, [this] { png_read_info(png_, info_); });
-      CheckImageHeader(Header(), bytes.size(), file);
+      CheckImageHeader(StoredHeader(), bytes.size(), file);
     } catch (...) {
       png_destroy_read_struct(&png_, &info_, nullptr);  // no destructor runs if a constructor throws
       throw;
@@ -70,10 +70,7 @@ class PngReader : PngSession {
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
 
   ImageHeader Header() const {
-    ImageHeader header{.rows = static_cast<int>(png_get_image_height(png_, info_)),
-                       .cols = static_cast<int>(png_get_image_width(png_, info_)),
-                       .channels = png_get_channels(png_, info_),
-                       .bits = png_get_bit_depth(png_, info_)};
+    ImageHeader header = StoredHeader();
     if (png_get_color_type(png_, info_) == PNG_COLOR_TYPE_PALETTE) {
       header.channels = 3;
       header.bits = 8;
@@ -108,6 +105,14 @@ class PngReader : PngSession {
   }
 
  private:
+  // The samples in the file; those of a palette are indices of 1 to 8 bits.
+  ImageHeader StoredHeader() const {
+    return {.rows = static_cast<int>(png_get_image_height(png_, info_)),
+            .cols = static_cast<int>(png_get_image_width(png_, info_)),
+            .channels = png_get_channels(png_, info_),
+            .bits = png_get_bit_depth(png_, info_)};
+  }
+
   static void ReadBytes(png_structp png, png_bytep target, std::size_t count) {
     auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
     if (count > reader->rest_.size()) png_error(png, "it ends early");

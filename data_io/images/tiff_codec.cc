@@ -140,6 +140,11 @@ class TiffReader {
     if (std::find(std::begin(kKnown), std::end(kKnown), compression) == std::end(kKnown)) {
       throw DataError("{}: TIFF compression {}, expected none, LZW, deflate or PackBits", name_, compression);
     }
+    const auto meaning = Field<std::uint16_t>(tiff_.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    if (header_.channels == 1 && meaning != PHOTOMETRIC_MINISBLACK) {
+      throw DataError("{}: TIFF photometric interpretation {}, expected {} (grey, 0 is black)", name_,
+                      meaning, PHOTOMETRIC_MINISBLACK);
+    }
   }
 
   [[noreturn]] void FailDamaged() const {

@@ -19,7 +19,8 @@ namespace sonarcal::data_io {
 bool IsTiff(std::string_view bytes);
 
 // Throws DataError, naming `file`, if the header is damaged, CheckImageHeader rejects it, or the file is not
-// a single image in strips, uncompressed or with LZW, deflate or PackBits.
+// a single image in strips, uncompressed or with LZW, deflate or PackBits. One channel must be grey with 0 as
+// black: palettes are refused.
 ImageHeader ReadTiffHeader(std::string_view bytes, const std::string& file);
 
 // Returns the samples row by row in the byte order of this machine: one channel of 8 or 16 bits or 32-bit

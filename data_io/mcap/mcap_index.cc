@@ -88,11 +88,7 @@ class Scan {
   McapIndex Run() {
     CheckMagic();
     WalkFile();
-    for (std::size_t i = 0; i < index_.chunks.size(); ++i) {
-      // The indices behind the last chunk may be incomplete if the file was cut off.
-      const bool may_lack_indices = !data_end_ && i + 1 == index_.chunks.size();
-      if (!index_.chunks[i].has_index || may_lack_indices) ListMessagesOf(i);
-    }
+    ListMessagesOfChunks();
     FindMissingChannels();
     NameSchemas();
     CheckSums();
@@ -265,9 +261,12 @@ class Scan {
   }
 
   void TakeMessageIndex(const RecordHead& head) {
-    // The index of a chunk that was left out is of no use.
+    // The index of a chunk that was left out, or that has another index that is damaged, is of no use.
     if (head.is_cut() || !follows_chunk_) return;
     McapChunk& chunk = index_.chunks.back();
+    // A damaged index leaves the chunk without one, so that its messages are listed from its content.
+    chunk.has_index = false;
+    follows_chunk_ = false;
     const ByteReader start = heads_.At(head.content_at, 6);
     const std::uint16_t channel = start.U16(0, "channel of a message index");
     const std::uint64_t bytes = start.U32(2, "length of a message index");
@@ -289,6 +288,7 @@ class Scan {
                            .position = position});
     }
     chunk.has_index = true;
+    follows_chunk_ = true;
   }
 
   void TakeFooter(const RecordHead& head) {
@@ -354,16 +354,24 @@ class Scan {
     return false;
   }
 
-  // Lists the messages of a chunk without an index.
+  // Lists the messages of the chunks without a complete index from their content.
+  void ListMessagesOfChunks() {
+    std::set<std::uint64_t> containers;
+    for (std::size_t i = 0; i < index_.chunks.size(); ++i) {
+      // The indices behind the last chunk may be incomplete if the file was cut off.
+      const bool may_lack_indices = !data_end_ && i + 1 == index_.chunks.size();
+      if ((!index_.chunks[i].has_index || may_lack_indices) && MayInflate(index_.chunks[i]))
+        containers.insert(i + 1);
+    }
+    for (auto& [channel, messages] : index_.messages) {
+      message_count_ -= std::erase_if(
+          messages, [&](const McapMessage& message) { return containers.contains(message.container); });
+    }
+    for (const std::uint64_t container : containers) ListMessagesOf(container - 1);
+  }
+
   void ListMessagesOf(std::size_t index) {
     const McapChunk& chunk = index_.chunks[index];
-    if (!MayInflate(chunk)) return;
-    if (chunk.has_index) {
-      for (auto& [channel, messages] : index_.messages) {
-        message_count_ -= std::erase_if(
-            messages, [&](const McapMessage& message) { return message.container == index + 1; });
-      }
-    }
     const McapContent content = ReadMcapChunk(file_, name_, chunk, max_chunk_bytes_);
     std::string fault = content.fault;
     const std::string rest = ForEachRecordIn(

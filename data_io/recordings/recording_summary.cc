@@ -45,7 +45,12 @@ void SummarizeFrames(const RecordingSource& recording, RecordingSummary& summary
   std::optional<double> first_s;
   std::optional<double> last_s;
   for (int i = 0; i < recording.frame_count(); ++i) {
-    const FrameInfo frame = recording.frame_info(i);
+    FrameInfo frame;
+    try {
+      frame = recording.frame_info(i);
+    } catch (const DataError& error) {
+      if (summary.frames_without_header++ == 0) summary.header_failure = error.what();
+    }
     if (frame.world_from_sonar) ++summary.frames_with_pose;
     if (frame.time_s) ++summary.frames_with_time;
     if (i == 0) first_s = frame.time_s;

@@ -34,13 +34,16 @@ struct RecordingSummary {
   std::optional<double> saturation_level;
   // reason why there is no first frame; empty if there is one, or if there are no frames
   std::string first_frame_failure;
+  // Frames whose header cannot be read, and the reason for the first of them.
+  int frames_without_header = 0;
+  std::string header_failure;
 
   bool EvenBeams() const {
     return beam_spacing_max_deg - beam_spacing_min_deg < 1e-3 * beam_spacing_mean_deg;
   }
 };
 
-// Reads every frame's header and the first frame's pixels.
+// Reads every frame's header and the first frame's pixels. Damaged frames do not end it.
 RecordingSummary Summarize(const RecordingSource& recording);
 
 }  // namespace sonarcal::data_io

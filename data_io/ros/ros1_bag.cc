@@ -312,9 +312,9 @@ class Ros1Bag final : public Bag {
       if (!connections_.contains(id) && !messages.empty()) chunks.insert(messages.front().container);
     }
     for (const std::uint64_t index : chunks) {
-      const auto bytes = Inflated(index);
-      const ByteReader reader(*bytes, ChunkName(chunks_[index]));
       try {
+        const auto bytes = Inflated(index);
+        const ByteReader reader(*bytes, ChunkName(chunks_[index]));
         for (std::uint64_t at = 0; at < bytes->size();) {
           const Record record = ParseRecord(reader, at, bytes->size() - at);
           if (record.op == Ros1Op::kConnection)

@@ -77,7 +77,8 @@ Scene SceneAssembler::Finish(const std::vector<std::string>& names) {
   const auto slot = [&](int material) { return material < 0 ? none : static_cast<std::size_t>(material); };
   std::vector<bool> used(none + 1, false);
   for (const int material : material_of_triangle_) {
-    if (slot(material) > none) throw DataError("{}: material {} of {} is named", file_, material, none);
+    if (material >= 0 && slot(material) >= none)
+      throw DataError("{}: material {} of {} is named", file_, material, none);
     used[slot(material)] = true;
   }
   std::vector<std::uint16_t> scene_material(none + 1, 0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/types/error.h"
 #include "data_io/sonars/oculus_log.h"
@@ -21,9 +22,7 @@ class OculusRecording final : public RecordingSource {
     is_log_ = IsOculusLog(file);
     is_log_ ? IndexLog() : IndexMessages();
     RefuseTooFewOrMany();
-    const OculusPing first = ReadPing(0, kMaxOculusPingHeaderBytes).ping;
-    info_.format = fmt::format("Oculus simple ping result, version {}", first.version);
-    DescribeOculus(first, info_);
+    DescribeFirst();
     if (is_log_) {
       info_.format += ", in a log";
       info_.notes.emplace_back("Frames have the times of the log's items; their epoch is not documented.");
@@ -85,12 +84,18 @@ class OculusRecording final : public RecordingSource {
       info_.notes.push_back(fmt::format("{} messages that are not pings were skipped.", others));
   }
 
-  // Finds the pings of a log, one per item.
+  // Finds the pings of a log, one per item. A damaged item counts as a ping that cannot be read.
   void IndexLog() {
     int others = 0;
     info_.notes = ForEachOculusLogItem(file_, [&](const OculusLogItem& item) {
       const std::uint64_t message_bytes = item.compressed ? item.original_bytes : item.payload_bytes;
-      const std::vector<std::byte> bytes = ReadOculusLogItem(file_, item, kOculusHeadBytes);
+      std::vector<std::byte> bytes;
+      try {
+        bytes = ReadOculusLogItem(file_, item, kOculusHeadBytes);
+      } catch (const DataError&) {
+        offsets_.push_back(item.offset);  // reading the frame throws the error again
+        return;
+      }
       const std::optional<OculusHead> head = ParseOculusHead({bytes, name_, item.offset});
       if (head && head->message_id == kOculusSimplePingResult && head->message_bytes <= message_bytes) {
         offsets_.push_back(item.offset);
@@ -111,6 +116,29 @@ class OculusRecording final : public RecordingSource {
       throw DataError("{}: {} pings, expected at most {}", name_, offsets_.size(),
                       std::numeric_limits<int>::max());
     }
+  }
+
+  // Describes the sonar from the first ping that can be read, so that a damaged one does not hide the others.
+  // Throws the DataError of the first ping if none can be read.
+  void DescribeFirst() {
+    std::string of_first;
+    for (int index = 0; index < frame_count(); ++index) {
+      RecordingInfo info = info_;
+      try {
+        const OculusPing ping = ReadPing(index, kMaxOculusPingHeaderBytes).ping;
+        info.format = fmt::format("Oculus simple ping result, version {}", ping.version);
+        DescribeOculus(ping, info);
+        info_ = std::move(info);
+        if (index > 0) {
+          info_.notes.push_back(fmt::format(
+              "The sonar is described from ping {}, the first that can be read: {}.", index, of_first));
+        }
+        return;
+      } catch (const DataError& error) {
+        if (index == 0) of_first = error.what();
+      }
+    }
+    throw DataError("{}", of_first);
   }
 
   // First `wanted` bytes of a message, or all of it, and the parsed ping. Only the positions of pings are

@@ -47,12 +47,18 @@ std::vector<std::byte> Inflate(std::vector<std::byte> packed, const OculusLogIte
   stream.avail_in = static_cast<uInt>(packed.size() - kLengthBytes);
   stream.next_out = reinterpret_cast<Bytef*>(message.data());
   stream.avail_out = static_cast<uInt>(message.size());
-  inflate(&stream, Z_SYNC_FLUSH);
+  const int result = inflate(&stream, Z_SYNC_FLUSH);
   const std::uint64_t came_out = message.size() - stream.avail_out;
   inflateEnd(&stream);
-  if (came_out != message.size()) {
-    throw DataError("{}: the compressed payload is damaged: {} of {} bytes came out", where, came_out,
-                    message.size());
+  // zlib compares the checksum at the end of the stream.
+  const bool wants_end = message.size() == item.original_bytes;
+  const bool is_good = result == Z_STREAM_END || (result == Z_OK && !wants_end);
+  if (!is_good || came_out != message.size()) {
+    const char* const fault = stream.msg != nullptr    ? stream.msg
+                              : result == Z_STREAM_END ? "the stream ends there"
+                                                       : "the end of the stream was not reached";
+    throw DataError("{}: the compressed payload is damaged: {} of {} bytes came out: {}", where, came_out,
+                    message.size(), fault);
   }
   return message;
 }

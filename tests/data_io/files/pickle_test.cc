@@ -163,6 +163,37 @@ TEST(Pickle, TypesByteOrdersAndLayoutsGiveTheirValues) {
   for (int i = 0; i < 6; ++i) EXPECT_EQ(fortran.At(i / 3, i % 3), i);
 }
 
+// pickle.dumps({"full": bytearray(b"\x00\xff"), "empty": bytearray(), "none": b""}, protocol).hex()
+// of Python 3.11, with protocols 0, 2 and 4.
+TEST(Pickle, CallsThatMakeBytesAreExecuted) {
+  constexpr std::array<std::string_view, 3> kBytes = {
+      "286470300a5666756c6c0a70310a635f5f6275696c74696e5f5f0a6279746561727261790a70320a28635f636f646563"
+      "730a656e636f64650a70330a28565c7530303030ff0a70340a566c6174696e310a70350a7470360a5270370a7470380a"
+      "5270390a7356656d7074790a7031300a67320a2874527031310a73566e6f6e650a7031320a635f5f6275696c74696e5f"
+      "5f0a62797465730a7031330a2874527031340a732e",
+      "80027d710028580400000066756c6c7101635f5f6275696c74696e5f5f0a6279746561727261790a7102635f636f6465"
+      "63730a656e636f64650a7103580300000000c3bf710458060000006c6174696e31710586710652710785710852710958"
+      "05000000656d707479710a68022952710b58040000006e6f6e65710c635f5f6275696c74696e5f5f0a62797465730a71"
+      "0d2952710e752e",
+      "80049545000000000000007d94288c0466756c6c948c086275696c74696e73948c096279746561727261799493944302"
+      "00ff94859452948c05656d7074799468042952948c046e6f6e6594430094752e",
+  };
+  for (const std::string_view hex : kBytes)
+    EXPECT_THAT(ReadPickledArrays(BytesOf(hex), "bytes.pkl").keys, ElementsAre("full", "empty", "none"));
+  const auto array_of = [](const std::string& bytes) {
+    return Global("numpy.core.numeric", "_frombuffer") + "(" + bytes + DtypeValue("u1", "|") +
+           "K\x01K\x02\x86" + Str("C") + "tR";
+  };
+  const std::string two_bytes = std::string("C\x02") + "\x05\x06";
+  for (const char* module : {"builtins", "__builtin__"})
+    EXPECT_EQ(*ReadOne(array_of(Global(module, "bytearray") + two_bytes + "\x85R")).bytes, "\x05\x06");
+  EXPECT_THAT(Refusal(DictOf(Str("a") + array_of(Global("builtins", "bytearray") + ")R"))),
+              HasSubstr("has 0 bytes"));
+  // A number of zeros, of which the file holds none.
+  EXPECT_THAT(Refusal(DictOf(Str("a") + Global("builtins", "bytearray") + "K\x05\x85R")),
+              HasSubstr("expected bytes"));
+}
+
 TEST(Pickle, OtherValuesOfTheDictAreNamedAndLeftOut) {
   // {"None": None, "t": 0.5, "n": -3, "l": [1, 2], "b": b"x", 7: True, "d": {}}
   const std::string half = BytesOf("473fe0000000000000");

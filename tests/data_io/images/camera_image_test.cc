@@ -68,6 +68,18 @@ TEST_F(CameraImageTest, DamageIsOneSentence) {
   EXPECT_THAT(MessageOf([&] { Read(huge); }), HasSubstr("65535 x 65535"));
 }
 
+// The thumbnail is a whole JPEG with an end marker of its own.
+TEST_F(CameraImageTest, ATruncatedJpegWithAThumbnailIsRefused) {
+  const std::string jpeg = Jpeg();
+  const std::string content = std::string("Exif\0\0", 6) + jpeg;
+  const std::size_t length = content.size() + 2;
+  const std::string segment = {'\xFF', '\xE1', static_cast<char>(length >> 8), static_cast<char>(length)};
+  const std::string whole = jpeg.substr(0, 2) + segment + content + jpeg.substr(2);
+  EXPECT_EQ(Read(whole), Read(jpeg));
+  EXPECT_THAT(MessageOf([&] { Read(whole.substr(0, whole.size() - jpeg.size() / 2)); }),
+              HasSubstr("truncated JPEG"));
+}
+
 class CameraImageFolderTest : public ::testing::Test {
  protected:
   void Touch(const std::string& name) { testing::WriteFile(dir_ / name, "x"); }

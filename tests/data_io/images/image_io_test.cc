@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <random>
+#include <string_view>
 
 #include "core/types/error.h"
+#include "tests/data_io/byte_writer.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 
@@ -51,6 +54,38 @@ std::string Text(const std::vector<std::uint8_t>& bytes) {
 std::string BigEndian(std::uint32_t value) {
   return {static_cast<char>(value >> 24), static_cast<char>(value >> 16), static_cast<char>(value >> 8),
           static_cast<char>(value)};
+}
+
+// TIFF of 2 x 2 pixels of 8 bits, 0 to 3, with a palette.
+std::string SmallTiff(std::uint32_t photometric_interpretation) {
+  constexpr std::uint32_t kPixels = 8;
+  constexpr std::uint32_t kPalette = kPixels + 4;
+  constexpr std::uint32_t kPaletteValues = 3 * 256;
+  constexpr std::uint32_t kDirectory = kPalette + 2 * kPaletteValues;
+  constexpr std::uint16_t kShort = 3;
+  struct Tag {
+    std::uint16_t id;
+    std::uint32_t count;
+    std::uint32_t value;
+  };
+  const Tag tags[] = {
+      {256, 1, 2}, {257, 1, 2}, {258, 1, 8}, {259, 1, 1}, {262, 1, photometric_interpretation},
+      {273, 1, 8}, {277, 1, 1}, {278, 1, 2}, {279, 1, 4}, {320, kPaletteValues, kPalette}};
+  testing::ByteWriter file;
+  file.U32(0, 0x002a4949);  // "II*"
+  file.U32(4, kDirectory);
+  file.U32(kPixels, 0x03020100);
+  file.U16(kDirectory, static_cast<std::uint16_t>(std::size(tags)));
+  std::size_t at = kDirectory + 2;
+  for (const Tag& tag : tags) {
+    file.U16(at, tag.id);
+    file.U16(at + 2, kShort);
+    file.U32(at + 4, tag.count);
+    file.U32(at + 8, tag.value);
+    at += 12;
+  }
+  file.Grow(at + 4);
+  return file.bytes();
 }
 
 TEST(ImageIoTest, GreyPngComesBack) {
@@ -108,6 +143,33 @@ TEST(ImageIoTest, DepthsAreNotConvertedUnasked) {
   WriteTiff(dir / "a.tiff", Grid<float>(2, 2));
   EXPECT_THAT(MessageOf([&] { ImageFile(dir / "a.tiff").DecodeGrey8(); }), HasSubstr("expected 8-bit grey"));
   EXPECT_THAT(MessageOf([&] { ImageFile(dir / "a.tiff").DecodeRgb(); }), HasSubstr("expected a PNG"));
+}
+
+TEST(ImageIoTest, ATiffWhoseValuesAreNoGreyIsRefused) {
+  constexpr std::uint32_t kWhiteIsZero = 0;
+  constexpr std::uint32_t kBlackIsZero = 1;
+  constexpr std::uint32_t kPalette = 3;
+  EXPECT_EQ(ImageFile(SmallTiff(kBlackIsZero), "x").DecodeGrey8()(1, 1), 3);
+  EXPECT_EQ(RefusalOf(SmallTiff(kPalette)),
+            "x: TIFF photometric interpretation 3, expected 1 (grey, 0 is black)");
+  EXPECT_THAT(RefusalOf(SmallTiff(kWhiteIsZero)), HasSubstr("photometric interpretation 0"));
+}
+
+// A palette is stored with 1 to 8 bits per pixel, so the file is smaller than its colours allow.
+TEST(ImageIoTest, APalettePngOfFewBytesIsRead) {
+  // 400 x 400 pixels of 1 bit, all of the second colour of the palette (0, 0, 0), (10, 20, 30).
+  constexpr std::string_view kHex =
+      "89504e470d0a1a0a0000000d4948445200000190000001900103000000ba71a48f00000006504c54450000000a141e7c"
+      "51d62f000000564944415478daedcb310d00000c03a0fa37dd6ad8bbc04f7a1645511445511445511445511445511445"
+      "511445511445511445511445511445511445511445511445511445511445511445511445511445511445f95e063cd8d6"
+      "648730bbae0000000049454e44ae426082";
+  std::string bytes;
+  for (std::size_t i = 0; i < kHex.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(std::string(kHex.substr(i, 2)), nullptr, 16));
+  const ImageFile file(bytes, "palette.png");
+  EXPECT_EQ(file.header().Describe(), "8-bit colour, 400 x 400 pixels (rows x columns)");
+  EXPECT_EQ(file.DecodeRgb(), RgbImage(400, 400, {10, 20, 30}));
+  EXPECT_THAT(MessageOf([&] { file.DecodeGrey(); }), HasSubstr("expected 8-bit grey"));
 }
 
 TEST(ImageIoTest, EncodedPngIsTheFile) {

@@ -154,6 +154,21 @@ TEST_F(BagHostileTest, LengthsOfRos1RecordsAreComparedWithTheFile) {
   EXPECT_THAT(RefusalWith(bytes, "compression=none", "compression=nome"), HasSubstr("no topic of a sonar"));
 }
 
+// A bag that was cut off has its connections only in the chunks.
+TEST_F(BagHostileTest, ADamagedChunkOfAnotherTopicDoesNotHideTheSonar) {
+  std::vector<MadeUpMessage> messages(2, {"/chatter", "std_msgs/String", 0, "of no matter"});
+  for (const MadeUpMessage& message : Messages(Wire::kRos1, 2)) messages.push_back(message);
+  std::string bytes = testing::Ros1BagBytes(messages, {.compression = "bz2", .with_end = false});
+  const std::size_t packed = bytes.find("BZh", kBagHeaderEnd);
+  ASSERT_NE(packed, std::string::npos);
+  bytes[packed + 4] = '\0';
+  testing::WriteFile(dir_ / "test.bag", bytes);
+  EXPECT_TRUE(testing::OpensWholly(dir_ / "test.bag"));
+  const auto recording = OpenRecording(dir_ / "test.bag");
+  EXPECT_EQ(recording->frame_count(), 2);
+  EXPECT_THAT(recording->info().notes, ::testing::Contains(HasSubstr("A chunk is damaged: ")));
+}
+
 TEST_F(BagHostileTest, AnIndexThatPointsIntoAMessageIsRefused) {
   std::string bytes = Ros1({}, 1);
   const std::size_t conn = bytes.find("ver=", kBagHeaderEnd);  // of the index behind the chunk

@@ -235,6 +235,23 @@ TEST_F(McapBagTest, ADamagedFirstChunkDoesNotHideTheOthers) {
   EXPECT_THAT(Salvaged(bytes), ::testing::ElementsAre(1, 2, 3));
 }
 
+// The messages of a chunk with a damaged index are listed from the chunk, each once.
+TEST_F(McapBagTest, ADamagedMessageIndexNeitherRepeatsNorHidesFrames) {
+  MadeUpMcapPlaces places;
+  const std::string bytes = Bytes({.messages_a_chunk = 100}, 4, &places);
+  ASSERT_EQ(places.message_index.size(), 2U);  // of the sonar and of the poses
+  constexpr std::size_t kThirdPosition = 9 + 6 + 2 * 16 + 8;
+  for (const std::vector<std::size_t>& damaged_indices : {std::vector<std::size_t>{0}, {1}, {0, 1}}) {
+    std::string damaged = bytes;
+    for (const std::size_t index : damaged_indices)
+      damaged[places.message_index[index] + kThirdPosition + 5] = '\1';  // 2^40 bytes too far
+    EXPECT_THAT(Notes(damaged), Contains(HasSubstr("position of a message: 1099511")));
+    EXPECT_THAT(Salvaged(damaged), ::testing::ElementsAre(0, 1, 2, 3));
+    EXPECT_EQ(testing::RefusalOf(dir_ / "test.mcap"), "");
+    EXPECT_EQ(ReadBagTrajectory(dir_ / "test.mcap", {.topic = "/pose"}).size(), 4U);
+  }
+}
+
 TEST_F(McapBagTest, ChecksumsOfDataAndSummaryAreCompared) {
   MadeUpMcapPlaces places;
   std::string bytes = Bytes({.messages_a_chunk = 0}, 2, &places);

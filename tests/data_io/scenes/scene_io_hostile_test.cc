@@ -89,6 +89,7 @@ TEST_F(SceneIoHostileTest, ReferencesToAbsentObjectsAreRefused) {
   ExpectRefusal("accessor 7", [&](auto& gltf) { primitive(gltf)["attributes"]["POSITION"] = 7; });
   ExpectRefusal("accessor", [&](auto& gltf) { primitive(gltf)["indices"] = 7; });
   ExpectRefusal("material 3", [&](auto& gltf) { primitive(gltf)["material"] = 3; });
+  ExpectRefusal("material 0 of 0 is named", [&](auto& gltf) { primitive(gltf)["material"] = 0; });
   ExpectRefusal("POSITION", [&](auto& gltf) { primitive(gltf).erase("attributes"); });
   ExpectRefusal("POSITION", [&](auto& gltf) { primitive(gltf)["attributes"] = {{"NORMAL", 0}}; });
   ExpectRefusal("not an object", [&](auto& gltf) { primitive(gltf) = 3; });

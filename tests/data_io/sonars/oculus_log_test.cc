@@ -6,6 +6,9 @@
 
 #include <algorithm>
 
+#include "core/types/error.h"
+#include "data_io/recordings/recording_summary.h"
+#include "data_io/recordings/salvaged_recording.h"
 #include "tests/data_io/made_up_ping.h"
 #include "tests/data_io/recording_file_test.h"
 
@@ -92,6 +95,41 @@ TEST_F(OculusLogTest, ItemsAfterADamagedOneAreLeftOut) {
   const auto cut = Open(whole.substr(0, whole.size() - 3));
   EXPECT_EQ(cut->frame_count(), 1);
   EXPECT_THAT(cut->info().notes, Contains(HasSubstr("not a whole item")));
+}
+
+TEST_F(OculusLogTest, APayloadWithAWrongChecksumIsRefused) {
+  std::string bytes = Head() + MadeUpItem{.compression = 1}.Write(ping_);
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  EXPECT_THAT(Refusal(bytes), HasSubstr("the compressed payload is damaged"));
+}
+
+TEST_F(OculusLogTest, ADamagedItemDoesNotHideTheOthers) {
+  const std::string good = MadeUpItem{.compression = 1}.Write(ping_);
+  std::string damaged = good;
+  damaged[40 + 4] = '\xff';  // first byte of the compressed stream
+  std::string oversized = good;
+  for (const std::size_t place : {28, 40}) oversized.replace(place, 4, 4, '\x7f');
+  for (const std::string& bad : {damaged, oversized}) {
+    for (const int place : {0, 1, 2}) {
+      std::string bytes = Head();
+      for (const int i : {0, 1, 2}) bytes += i == place ? bad : good;
+      const SalvagedRecording salvaged(Open(bytes));
+      EXPECT_EQ(salvaged.frame_count(), 2);
+      EXPECT_EQ(salvaged.lost_count(), 1);
+      EXPECT_THAT(salvaged.info().notes, Contains(HasSubstr(fmt::format("Frame {} was omitted: ", place))));
+      const RecordingSummary summary = Summarize(*Open(bytes));
+      EXPECT_EQ(summary.frames_without_header, 1);
+      EXPECT_NE(summary.header_failure, "");
+      EXPECT_EQ(summary.frames_with_time, 2);
+      EXPECT_EQ(summary.first_frame.has_value(), place != 0);
+      const auto described = Contains(HasSubstr("described from ping 1, the first that can be read"));
+      if (place == 0) {
+        EXPECT_THAT(salvaged.info().notes, described);
+      } else {
+        EXPECT_THAT(salvaged.info().notes, ::testing::Not(described));
+      }
+    }
+  }
 }
 
 TEST_F(OculusLogTest, EncryptedEmptyAndOversizedLogsAreRefusedByName) {
