@@ -44,6 +44,7 @@ FrameInfo PosedRecording::WithPose(int index, FrameInfo info) const {
     return *world_from_body * poses_.body_from_sonar;
   };
   info.world_from_sonar = pose_after(0.0);
+  info.motion.reset();  // that of the old poses
   const PingPattern& pings = info_.sonar.pings;
   if (!info.world_from_sonar || !pings.is_timed()) return info;
   const double first_s = pings.TimeOf(0);

@@ -18,7 +18,8 @@ struct PosesOverTime {
 };
 
 // A frame outside the trajectory or in a gap of it has no pose, even if the recording contains one. A frame
-// of several pings gets the motion from its first to its last ping.
+// of several pings gets the motion from its first to its last ping. A motion that the recording contains is
+// dropped.
 class PosedRecording final : public RecordingSource {
  public:
   // Throws DataError if a frame has no time, or no frame has a pose.

@@ -15,8 +15,10 @@
 #include "data_io/bag_writers/message_builder.h"
 #include "data_io/bag_writers/recording_messages.h"
 #include "data_io/bag_writers/ros2_definitions.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/mcap/mcap_writer.h"
 #include "data_io/pictures/fan_pictures.h"
+#include "data_io/recordings/frame_storage.h"
 #include "data_io/recordings/recording_json.h"
 #include "data_io/ros/mcap_bag.h"
 
@@ -250,8 +252,7 @@ class SonarInfoWriter {
 };
 
 std::string RecordingText(const RecordingInfo& info) {
-  const int bits = info.scale.quantity != Quantity::kGrey ? 32 : info.scale.full_scale > 255.0 ? 16 : 8;
-  return RecordingJson({.info = info, .bits = bits, .frames = {}}, "/").dump();
+  return JsonText(RecordingJson({.info = info, .bits = MinBits(info.scale), .frames = {}}, "/"));
 }
 
 }  // namespace
@@ -269,9 +270,7 @@ void WriteMcapRecording(const RecordingSource& recording, const McapRecordingOpt
   SonarInfoWriter sonar_info(info, options.calibration);
   for (int i = 0; i < recording.frame_count(); ++i) {
     const Frame frame = recording.ReadFrame(i);
-    std::string why;
-    if (!frame.image.axes.Matches(info.sonar.axes, &why))
-      throw DataError("{}: {} differs from that of the first frame: {}", info.source, frame.info.name, why);
+    CheckSameAsFirst(info, frame, i);
     const FrameTimes& at = times[static_cast<std::size_t>(i)];
     if (i == 0) {
       if (options.scene != nullptr) {

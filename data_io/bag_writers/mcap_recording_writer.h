@@ -36,9 +36,9 @@ struct McapRecordingOptions {
 };
 
 // Writes `file`, which must not exist, frame by frame. `library` names the writing program. Throws DataError
-// if the recording's values are neither grey nor power, a time is outside the range of ROS 2 (0 .. 2^31 s),
-// two frames have one time but different poses, axes differ between frames, the scene has too many triangles,
-// or the file cannot be written.
+// if SampleTypeOf (data_io/bag_writers/recording_messages.h) refuses the scale, a time is outside the range
+// of ROS 2 (0 .. 2^31 s), two frames have one time but different poses, axes or scale differ between frames,
+// the scene has too many triangles, or the file cannot be written.
 void WriteMcapRecording(const RecordingSource& recording, const McapRecordingOptions& options,
                         const std::string& library, const std::filesystem::path& file,
                         const std::function<void(int frames_done)>& progress = {});

@@ -8,6 +8,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/bag_writers/message_builder.h"
+#include "data_io/recordings/frame_storage.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -37,17 +38,39 @@ std::int64_t StampNsOf(const FrameInfo& info, double max_s) {
       1, static_cast<std::int64_t>(whole_s) * kNsPerS + std::llround((time_s - whole_s) * 1e9));
 }
 
+// Time between the frames without a time from `first` on, the first of which follows `previous_ns`: 1 s, or
+// less so that they lie before the next frame with a time.
+std::int64_t StepNs(const std::vector<FrameTimes>& times, std::size_t first, std::int64_t previous_ns) {
+  std::size_t next = first;
+  while (next < times.size() && times[next].stamp_ns == 0) ++next;
+  if (next == times.size() || times[next].stamp_ns <= previous_ns) return kNsPerS;
+  const auto steps = static_cast<std::int64_t>(next - first + 1);
+  return std::clamp<std::int64_t>((times[next].stamp_ns - previous_ns) / steps, 1, kNsPerS);
+}
+
+// Sets the log times by the stamps.
+void SetLogTimes(std::vector<FrameTimes>& times) {
+  std::int64_t logged_ns = 0;
+  std::int64_t step_ns = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const bool has_time = times[i].stamp_ns != 0;
+    if (!has_time && (i == 0 || times[i - 1].stamp_ns != 0)) step_ns = StepNs(times, i, logged_ns);
+    logged_ns = has_time ? times[i].stamp_ns : logged_ns + step_ns;
+    times[i].logged_ns = logged_ns;
+  }
+}
+
 }  // namespace
 
 std::vector<FrameTimes> FrameTimesOf(const RecordingSource& recording, double max_s) {
   std::vector<FrameTimes> times;
+  for (int i = 0; i < recording.frame_count(); ++i)
+    times.push_back({.stamp_ns = StampNsOf(recording.frame_info(i), max_s)});
+  SetLogTimes(times);
   std::map<std::int64_t, int> posed;
-  std::int64_t logged_ns = 0;
   for (int i = 0; i < recording.frame_count(); ++i) {
     const FrameInfo info = recording.frame_info(i);
-    const std::int64_t stamp_ns = StampNsOf(info, max_s);
-    logged_ns = stamp_ns == 0 ? logged_ns + kNsPerS : stamp_ns;
-    times.push_back({stamp_ns, logged_ns});
+    const std::int64_t logged_ns = times[static_cast<std::size_t>(i)].logged_ns;
     if (!info.world_from_sonar) continue;
     const auto [other, is_new] = posed.emplace(logged_ns, i);
     if (is_new) continue;
@@ -101,11 +124,17 @@ SampleType SampleTypeOf(const ImageScale& scale) {
   if (scale.quantity != Quantity::kGrey) {
     throw DataError(
         "the recording's values are {}, expected grey or power: a ProjectedSonarImage does not state the "
-        "unit "
-        "of its samples",
+        "unit of its samples",
         ToString(scale.quantity));
   }
-  return scale.full_scale > 255.0 ? SampleType::kShort : SampleType::kByte;
+  const int bits = MinBits(scale);
+  if (bits == 32 || scale.full_scale <= 1.0) {
+    throw DataError(
+        "the full scale of the recording's grey values is {:g}, expected a whole number from 2 to 65535: a "
+        "ProjectedSonarImage holds grey values as whole numbers, and its floats are power",
+        scale.full_scale);
+  }
+  return bits == 16 ? SampleType::kShort : SampleType::kByte;
 }
 
 void AppendSample(std::string& bytes, SampleType type, float value) {

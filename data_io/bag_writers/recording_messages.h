@@ -28,19 +28,21 @@ struct FrameTimes {
   std::int64_t logged_ns = 0;
 };
 
-// Times of all frames. Frames without a time have a stamp of 0 and are logged one second after the previous
-// frame. Time 0, which means "no time" in ROS, becomes 1 ns. Readers find the pose of an image by its time.
+// Times of all frames. Frames without a time have a stamp of 0. They are logged one second apart after the
+// previous frame, or closer together so that they lie before the next frame with a time. Time 0, which means
+// "no time" in ROS, becomes 1 ns. Readers find the pose of an image by its time.
 // Throws DataError if two frames have one time but different poses, or a time is outside 0 .. `max_s`.
 std::vector<FrameTimes> FrameTimesOf(const RecordingSource& recording, double max_s);
 
-// Throws DataError if the image's values are neither grey nor power.
+// Throws DataError if SampleTypeOf does.
 std::string ImageMessage(MessageEncoding encoding, const Frame& frame, const SonarModel& sonar,
                          std::uint32_t sequence, std::int64_t stamp_ns);
 
 std::string PoseMessage(MessageEncoding encoding, const Pose& world_from_sonar, std::uint32_t sequence,
                         std::int64_t stamp_ns);
 
-// Type of the samples of an image: u8 or u16 for grey, f32 for power. Throws DataError for other values.
+// Type of the samples of an image: u8 or u16 for grey, f32 for power. Throws DataError for other quantities,
+// and for grey unless its full scale is a whole number from 2 to 65535.
 enum class SampleType : std::uint32_t { kByte = 0, kShort = 2, kFloat = 8 };
 SampleType SampleTypeOf(const ImageScale& scale);
 

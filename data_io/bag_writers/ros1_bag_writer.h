@@ -11,9 +11,9 @@
 
 namespace sonarcal::data_io {
 
-// Writes `file`, which must not exist, frame by frame. Throws DataError if the recording's values are neither
-// grey nor power, a time is outside the range of ROS (0 .. 2^32 s), two frames have one time but different
-// poses, or the file cannot be written.
+// Writes `file`, which must not exist, frame by frame. Throws DataError if SampleTypeOf
+// (data_io/bag_writers/recording_messages.h) refuses the scale of a frame, a time is outside the range of ROS
+// (0 .. 2^32 s), two frames have one time but different poses, or the file cannot be written.
 void WriteRos1Bag(const RecordingSource& recording, const std::filesystem::path& file,
                   const std::function<void(int frames_done)>& progress = {});
 

@@ -54,10 +54,13 @@ struct Levels {
 
 std::optional<Levels> LevelsOf(const RecordingInfo& info, const std::optional<SonarCalibration>& calibration,
                                bool has_source_level) {
-  if (calibration && calibration->parameters.display.law == DisplayLaw::kLog) {
-    return Levels{calibration->parameters.display.db_min, calibration->parameters.display.db_max, true};
+  if (calibration) {
+    const ParameterSet& parameters = calibration->parameters;
+    if (parameters.display.law != DisplayLaw::kLog) return std::nullopt;
+    // The display shows levels behind the receiver's gain. Those of SonarInfo are in the water.
+    const double gain_db = parameters.receiver.gain_db;
+    return Levels{parameters.display.db_min - gain_db, parameters.display.db_max - gain_db, true};
   }
-  if (calibration) return std::nullopt;
   const ImageScale& scale = info.scale;
   if (scale.db_min && scale.db_max) return Levels{*scale.db_min, *scale.db_max, has_source_level};
   if (scale.db_span) return Levels{0.0, *scale.db_span, false};

@@ -27,7 +27,7 @@ struct SonarCalibration {
 //   pulse           of the settings, otherwise 2 L / c of the calibration's pulse of length L
 //   TVG             of the calibration; otherwise none, or "custom", if the settings state it
 //   scale           dB if the grey values follow the logarithm. Absolute if their levels and the source level
-//                   are known.
+//                   are known. The calibration's gain of the receiver is subtracted from its levels.
 //   source level    of the calibration, otherwise of the recording
 //   beam pattern    sensitivity of each beam of the calibration over its azimuth
 //

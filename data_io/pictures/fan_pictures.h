@@ -1,5 +1,6 @@
 // Recordings as pictures for viewing: fan pictures with 8 bits of grey, one PNG per frame or a video. Their
-// geometry is stored with them (data_io/pictures/picture_geometry.h), so they can be read back.
+// geometry is stored with them (data_io/pictures/picture_geometry.h), so they can be read back, within the
+// limits that GeometryJson names.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +24,8 @@ class FanPainter {
   Grid<std::uint8_t> Paint(const Frame& frame) const;
 
   // sonar-picture-geometry/1 of these pictures. Assumes evenly spaced beams and a symmetrical fan, whose half
-  // angle is the larger one of the recording.
+  // angle is the larger one of the recording. The reader refuses a half angle outside 0.5..89 degrees, and
+  // more than 16384 beams or range bins.
   std::string GeometryJson() const;
 
  private:
@@ -44,8 +46,8 @@ void WriteFanVideo(const RecordingSource& recording, const FanPainter& painter, 
                    const std::filesystem::path& file,
                    const std::function<void(int frames_done)>& progress = {});
 
-// Recorded frames per second: the reciprocal of the median interval. 0 if fewer than two frames have a time,
-// or times do not increase.
+// Recorded frames per second: the reciprocal of the median interval between neighbouring frames. 0 if no two
+// neighbours have a time, or times do not increase.
 double RecordedFramesPerS(const RecordingSource& recording);
 
 }  // namespace sonarcal::data_io

@@ -6,6 +6,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/json/json_reader.h"
+#include "data_io/json/sonar_limits.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -89,22 +90,20 @@ Grid<float> SampleFan(const Grid<float>& picture, const FanGeometry& fan, const 
 }
 
 PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
-  constexpr double kMaxRangeM = 10'000.0;
   const JsonReader json = JsonReader::FromFile(file);
   json.CheckFormat("sonar-picture-geometry/1");
   PictureGeometry geometry;
   const JsonReader range_m = json.At("range_m");
-  const std::vector<double> range = range_m.Numbers(NumberRange::Between(0.0, kMaxRangeM));
+  const std::vector<double> range = range_m.Numbers(kSonarRangeM);
   if (range.empty() || range.size() > 2 || !(range.back() > (range.size() == 2 ? range.front() : 0.0)))
     range_m.Fail("must be two ranges, the nearer first, or the farthest one of a fan");
   if (range.size() == 2) geometry.range_min_m = range.front();
   geometry.range_max_m = range.back();
   if (const auto name = json.Find("name")) geometry.name = name->String();
-  json.Update("frequency_hz", geometry.frequency_hz, NumberRange::AboveUpTo(0.0, 1e8));
-  json.Update("sound_speed_m_per_s", geometry.sound_speed_m_per_s, NumberRange::Between(1300.0, 1700.0));
-  json.Update("azimuth_beam_width_deg", geometry.azimuth_beam_width_deg, NumberRange::AboveUpTo(0.0, 90.0));
-  json.Update("elevation_beam_width_deg", geometry.elevation_beam_width_deg,
-              NumberRange::AboveUpTo(0.0, 180.0));
+  json.Update("frequency_hz", geometry.frequency_hz, kSonarFrequencyHz);
+  json.Update("sound_speed_m_per_s", geometry.sound_speed_m_per_s, kSonarSoundSpeedMPerS);
+  json.Update("azimuth_beam_width_deg", geometry.azimuth_beam_width_deg, kSonarBeamWidthDeg);
+  json.Update("elevation_beam_width_deg", geometry.elevation_beam_width_deg, kSonarBeamWidthDeg);
   geometry.db_span = json.FindNumber("db_span", NumberRange::AboveUpTo(0.0, 1000.0));
   const auto polar = json.Find("polar");
   const auto fan = json.Find("fan");

@@ -16,6 +16,8 @@
 
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/recordings/frame_storage.h"
 #include "data_io/recordings/recording_json.h"
 
 namespace sonarcal::data_io {
@@ -92,14 +94,9 @@ class Zip {
   std::unique_ptr<archive, decltype(&archive_write_free)> archive_;
 };
 
-struct Element {
-  const char* type;
-  std::size_t bytes;
-};
-
-Element ElementOf(const ImageScale& scale) {
-  if (scale.quantity != Quantity::kGrey) return {"<f4", 4};
-  return scale.full_scale > 255.0 ? Element{"<u2", 2} : Element{"|u1", 1};
+// Grey values up to 1 are fractions, which have no whole levels.
+int BitsOf(const ImageScale& scale) {
+  return scale.full_scale > 1.0 ? MinBits(scale) : 32;
 }
 
 template <typename T>
@@ -110,11 +107,11 @@ void WriteRounded(Zip& zip, const Grid<float>& values) {
   zip.Write(rounded.data(), rounded.size() * sizeof(T));
 }
 
-void WriteImage(Zip& zip, const PolarImage& image, const Element& element) {
-  switch (element.bytes) {
-    case 1:
+void WriteImage(Zip& zip, const PolarImage& image, int bits) {
+  switch (bits) {
+    case 8:
       return WriteRounded<std::uint8_t>(zip, image.value);
-    case 2:
+    case 16:
       return WriteRounded<std::uint16_t>(zip, image.value);
     default:
       zip.Write(image.value.values().data(), image.value.size() * sizeof(float));
@@ -163,9 +160,7 @@ void AddSmallArrays(Zip& zip, const RecordingSource& recording) {
   zip.Begin("valid", "|b1", {bins, beams}, 1);
   zip.Write(valid.data(), valid.size());
   const std::string text =
-      RecordingJson({.info = info, .bits = static_cast<int>(8 * ElementOf(info.scale).bytes), .frames = {}},
-                    "/")
-          .dump();
+      JsonText(RecordingJson({.info = info, .bits = BitsOf(info.scale), .frames = {}}, "/"));
   zip.Begin("recording", fmt::format("|S{}", text.size()), {}, text.size());
   zip.Write(text.data(), text.size());
 }
@@ -175,19 +170,19 @@ void AddSmallArrays(Zip& zip, const RecordingSource& recording) {
 void WriteNpz(const RecordingSource& recording, const std::filesystem::path& file,
               const std::function<void(int frames_done)>& progress) {
   const RecordingInfo& info = recording.info();
-  const Element element = ElementOf(info.scale);
+  const int bits = BitsOf(info.scale);
+  const char* const type = bits == 8 ? "|u1" : bits == 16 ? "<u2" : "<f4";
   Zip zip(file);
   AddSmallArrays(zip, recording);
-  zip.Begin("images", element.type,
+  zip.Begin("images", type,
             {static_cast<std::size_t>(recording.frame_count()),
              static_cast<std::size_t>(info.sonar.axes.range_bins), info.sonar.axes.beam_azimuth_rad.size()},
-            element.bytes);
+            static_cast<std::size_t>(bits / 8));
   for (int i = 0; i < recording.frame_count(); ++i) {
     const Frame frame = recording.ReadFrame(i);
-    std::string why;
-    if (!frame.image.axes.Matches(info.sonar.axes, &why))
-      throw DataError("{}: {} differs from that of the first frame: {}", info.source, frame.info.name, why);
-    WriteImage(zip, frame.image, element);
+    CheckSameAsFirst(info, frame, i);
+    CheckValues(frame.image, fmt::format("{}: frame {}", info.source, i));
+    WriteImage(zip, frame.image, bits);
     if (progress) progress(i + 1);
   }
   zip.Close();

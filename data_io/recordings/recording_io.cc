@@ -8,26 +8,13 @@
 
 #include "data_io/images/image_io.h"
 #include "data_io/json/json_writer.h"
+#include "data_io/recordings/frame_storage.h"
 #include "data_io/recordings/recording_json.h"
 
 namespace sonarcal::data_io {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Throws if a pixel is not finite or, if grey, outside 0 .. full_scale.
-void CheckValues(const PolarImage& image, const std::string& what) {
-  const bool is_grey = image.scale.quantity == Quantity::kGrey;
-  const auto full_scale = static_cast<float>(image.scale.full_scale);
-  const auto is_good = [&](float v) { return is_grey ? v >= 0.0F && v <= full_scale : std::isfinite(v); };
-  const std::span<const float> values = image.value.values();
-  const auto bad = std::find_if_not(values.begin(), values.end(), is_good);
-  if (bad == values.end()) return;
-  const auto index = static_cast<int>(bad - values.begin());
-  throw DataError("{}: the pixel in row {}, column {} is {}, expected {}", what, index / image.value.cols(),
-                  index % image.value.cols(), *bad,
-                  is_grey ? fmt::format("0 .. full_scale, {}", full_scale) : "a finite number");
-}
 
 ImageHeader GreyHeader(const PolarAxes& axes, int bits) {
   return {.rows = axes.range_bins,
@@ -95,8 +82,7 @@ class RecordingFolder final : public RecordingSource {
 int ChooseBits(const RecordingSource& recording, int asked) {
   const ImageScale& scale = recording.info().scale;
   SONARCAL_CHECK(asked == 0 || asked == 8 || asked == 16 || asked == 32, "{} bits", asked);
-  const bool is_whole = scale.quantity == Quantity::kGrey && scale.full_scale == std::floor(scale.full_scale);
-  const int min_bits = !is_whole || scale.full_scale > 65535.0 ? 32 : scale.full_scale > 255.0 ? 16 : 8;
+  const int min_bits = MinBits(scale);
   if (asked == 0) return min_bits;
   if (asked < min_bits) {
     throw DataError("{}: {} images with full scale {} do not fit {} bits, expected {}",
@@ -119,17 +105,24 @@ void WriteImage(const fs::path& file, const Grid<float>& value, int bits) {
   WriteTiff(file, value);
 }
 
-// A folder has one range window, one table of beams and one scale.
-void CheckSameAsFirst(const RecordingInfo& info, const Frame& frame, int index) {
-  std::string why;
-  if (!info.sonar.axes.Matches(frame.image.axes, &why)) {
-    throw DataError("{}: frame {} differs from the first: {}; a recording folder holds one geometry",
-                    info.source, index, why);
-  }
-  if (frame.image.scale != info.scale) {
-    throw DataError(
-        "{}: frame {} differs from the first in the scale of its values; a recording folder holds one",
-        info.source, index);
+std::string ImageName(int index, int bits) {
+  return fmt::format("frame_{:04}.{}", index, bits == 32 ? "tiff" : "png");
+}
+
+bool HoldsFractions(const Grid<float>& value) {
+  return std::ranges::any_of(value.values(), [](float v) { return v != std::round(v); });
+}
+
+// Replaces the images so far, which hold whole numbers, by float images.
+void Widen(RecordingHeader& header, const OutputDirectory& output) {
+  const ImageHeader narrow = GreyHeader(header.info.sonar.axes, header.bits);
+  header.bits = 32;
+  for (FrameInfo& frame : header.frames) {
+    const fs::path old = output / frame.name;
+    frame.name = fs::path(frame.name).replace_extension("tiff").string();
+    WriteTiff(output / frame.name, ReadImage(old, narrow));
+    std::error_code ignored;
+    fs::remove(old, ignored);
   }
 }
 
@@ -170,8 +163,8 @@ int WriteRecording(const RecordingSource& recording, const OutputDirectory& outp
   header.info.sonar.axes.Validate(header.info.source);
   bool stopped = false;
   for (int index = 0; index < frame_count; ++index) {
-    const std::string file = fmt::format("frame_{:04}.{}", index, header.bits == 32 ? "tiff" : "png");
-    if (options.is_written && options.is_written(index, file)) {
+    if (const std::string file = ImageName(index, header.bits);
+        options.is_written && options.is_written(index, file)) {
       header.frames.push_back(recording.frame_info(index));
       header.frames.back().name = file;
       continue;
@@ -181,9 +174,10 @@ int WriteRecording(const RecordingSource& recording, const OutputDirectory& outp
     const Frame frame = recording.ReadFrame(index);
     CheckSameAsFirst(header.info, frame, index);
     CheckValues(frame.image, fmt::format("{}: frame {}", header.info.source, index));
+    if (options.bits == 0 && header.bits < 32 && HoldsFractions(frame.image.value)) Widen(header, output);
     header.frames.push_back(frame.info);
-    header.frames.back().name = file;
-    WriteImage(output / file, frame.image.value, header.bits);
+    header.frames.back().name = ImageName(index, header.bits);
+    WriteImage(output / header.frames.back().name, frame.image.value, header.bits);
     if (options.progress) options.progress(static_cast<int>(header.frames.size()), frame_count);
   }
   const auto frames_done = static_cast<int>(header.frames.size());

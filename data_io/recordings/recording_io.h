@@ -62,8 +62,8 @@ RecordingInfo ReadSonarFile(const std::filesystem::path& file);
 void WriteSonarFile(const std::filesystem::path& file, const RecordingInfo& info);
 
 struct WriteRecordingOptions {
-  // Bits of the images: 8, 16, 32 (float). 0: the fewest that hold the integers 0 .. full_scale for grey
-  // values, which are rounded, and 32 for other quantities.
+  // Bits of the images: 8, 16, 32 (float). Grey values are rounded to 8 or 16 bits. 0: the fewest that hold
+  // the values of all frames; 8 or 16 hold whole grey values only.
   int bits = 0;
   // Called after each frame.
   std::function<void(int frames_done, int frames_in_all)> progress = {};

@@ -13,7 +13,10 @@
 #include "data_io/images/image_header.h"
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
+#include "data_io/json/json_writer.h"
+#include "data_io/json/sonar_limits.h"
 #include "data_io/recordings/recording_io.h"
+#include "data_io/recordings/recording_limits.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -29,9 +32,7 @@ constexpr Words<Quantity, 4> kQuantities = {{{"grey", Quantity::kGrey},
                                              {"power", Quantity::kPower},
                                              {"depth", Quantity::kDepth}}};
 
-const NumberRange kLevelDb = NumberRange::Between(-1000.0, 1000.0);
-const NumberRange kRangeM = NumberRange::Between(0.0, 1e5);
-const NumberRange kBeamWidthDeg = NumberRange::Between(0.0, 360.0);
+const NumberRange kLevelDb = NumberRange::Between(-kMaxRecordedLevelDb, kMaxRecordedLevelDb);
 
 // Adds a note once, however often a recording is converted.
 void AddNote(RecordingInfo& info, std::string note) {
@@ -63,9 +64,9 @@ std::vector<double> ReadBeamAzimuths(const JsonReader& json) {
 
 PolarAxes ReadAxes(const JsonReader& json) {
   PolarAxes axes;
-  axes.range_min_m = json.At("range_min_m").Number(kRangeM);
+  axes.range_min_m = json.At("range_min_m").Number(kSonarRangeM);
   const JsonReader range_max = json.At("range_max_m");
-  axes.range_max_m = range_max.Number(kRangeM);
+  axes.range_max_m = range_max.Number(kSonarRangeM);
   if (!(axes.range_max_m > axes.range_min_m)) {
     range_max.Fail(
         fmt::format("is {}, expected more than range_min_m, {}", axes.range_max_m, axes.range_min_m));
@@ -90,11 +91,11 @@ std::vector<double> FindPerBeam(const JsonReader& json, const char* key, int bea
 void ReadSonar(const JsonReader& json, RecordingInfo& info) {
   SonarModel& sonar = info.sonar;
   if (const auto name = json.Find("name")) sonar.name = name->String();
-  sonar.frequency_hz = NumberOrUnknown(json, "frequency_hz", NumberRange::AboveUpTo(0.0, 1e9), info);
-  sonar.sound_speed_m_per_s =
-      NumberOrUnknown(json, "sound_speed_m_per_s", NumberRange::Between(1000.0, 2000.0), info);
-  sonar.azimuth_beam_width_deg = NumberOrUnknown(json, "azimuth_beam_width_deg", kBeamWidthDeg, info);
-  sonar.elevation_beam_width_deg = NumberOrUnknown(json, "elevation_beam_width_deg", kBeamWidthDeg, info);
+  sonar.frequency_hz = NumberOrUnknown(json, "frequency_hz", kSonarFrequencyHz, info);
+  sonar.sound_speed_m_per_s = NumberOrUnknown(json, "sound_speed_m_per_s", kSonarSoundSpeedMPerS, info);
+  sonar.azimuth_beam_width_deg = NumberOrUnknown(json, "azimuth_beam_width_deg", kSonarBeamWidthDeg, info);
+  sonar.elevation_beam_width_deg =
+      NumberOrUnknown(json, "elevation_beam_width_deg", kSonarBeamWidthDeg, info);
   if (const auto word = json.Find("beam_forming")) sonar.beam_forming = word->Word<BeamForming>();
   sonar.axes = ReadAxes(json);
   if (const auto psf = json.Find("azimuth_psf")) info.azimuth_psf = psf->Numbers();
@@ -105,7 +106,8 @@ void ReadSonar(const JsonReader& json, RecordingInfo& info) {
 SonarSettings ReadSettings(const JsonReader& json) {
   SonarSettings settings;
   settings.gain_db = json.FindNumber("gain_db", kLevelDb);
-  settings.pulse_length_us = json.FindNumber("pulse_length_us", NumberRange::AboveUpTo(0.0, 1e6));
+  settings.pulse_length_us =
+      json.FindNumber("pulse_length_us", NumberRange::AboveUpTo(0.0, kMaxRecordedPulseUs));
   if (const auto applied = json.Find("time_varied_gain")) settings.time_varied_gain = applied->Bool();
   if (const auto compression = json.Find("compression"))
     settings.compression = compression->Word<Compression>();
@@ -153,10 +155,10 @@ void ReadImage(const JsonReader& json, RecordingHeader& header) {
   if (const auto quantity = json.Find("quantity")) scale.quantity = quantity->Word(kQuantities);
   scale.full_scale = is_float ? 1.0 : LargestInteger(header.bits);
   json.Update("full_scale", scale.full_scale,
-              NumberRange::AboveUpTo(0.0, is_float ? 1e12 : scale.full_scale));
+              NumberRange::AboveUpTo(0.0, is_float ? kMaxRecordedFullScale : scale.full_scale));
   scale.db_min = json.FindNumber("db_min", kLevelDb);
   scale.db_max = json.FindNumber("db_max", kLevelDb);
-  scale.db_span = json.FindNumber("db_span", NumberRange::AboveUpTo(0.0, 1000.0));
+  scale.db_span = json.FindNumber("db_span", NumberRange::AboveUpTo(0.0, kMaxRecordedDbSpan));
   if (scale.db_min && scale.db_max) {
     const double span_db = *scale.db_max - *scale.db_min;
     if (!(span_db > 0.0)) {
@@ -314,7 +316,7 @@ RecordingInfo ReadSonarFile(const fs::path& file) {
 void WriteSonarFile(const fs::path& file, const RecordingInfo& info) {
   Json json = {{"sonar", SonarOfRecordingJson(info)}};
   if (info.water) json["water"] = WaterJson(*info.water);
-  WriteFileWhole(file, json.dump(2) + "\n");
+  WriteJson(file, json);
 }
 
 Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 
+#include "core/types/error.h"
 #include "data_io/files/compression.h"
+#include "data_io/files/yaml_reader.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -30,13 +33,20 @@ fs::path PlainName(const fs::path& file) {
   return IsCompressedName(file) ? fs::path(file).replace_extension() : file;
 }
 
-// Number at the end of "dive_12.db3"; files without one come first.
-std::uint64_t NumberOf(const fs::path& file) {
-  const std::string stem = PlainName(file).stem().string();
-  const std::string digits = stem.substr(stem.find_last_not_of("0123456789") + 1);
+// Parts of the name "dive_12.db3". A name without a number has 0, so that this file comes first.
+struct BagFileName {
+  std::string bag;  // "dive"
   std::uint64_t number = 0;
-  std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  return number;
+};
+
+BagFileName NameOf(const fs::path& file) {
+  const std::string stem = PlainName(file).stem().string();
+  const std::size_t digits = stem.find_last_not_of("0123456789") + 1;
+  BagFileName name;
+  std::from_chars(stem.data() + digits, stem.data() + stem.size(), name.number);
+  const bool is_split = digits > 0 && digits < stem.size() && stem[digits - 1] == '_';
+  name.bag = is_split ? stem.substr(0, digits - 1) : stem;
+  return name;
 }
 
 // First bytes of a storage, and the extension of its files.
@@ -80,9 +90,38 @@ std::vector<fs::path> FilesOf(const fs::path& path, const StorageMarks& marks) {
     return IsCompressedName(file) && std::ranges::find(all, PlainName(file)) != all.end();
   });
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return NumberOf(a) != NumberOf(b) ? NumberOf(a) < NumberOf(b) : a < b;
+    const std::uint64_t number_a = NameOf(a).number;
+    const std::uint64_t number_b = NameOf(b).number;
+    return number_a != number_b ? number_a < number_b : a < b;
   });
   return files;
+}
+
+// Plain names of the files that rosbag2's metadata.yaml lists; none if it is absent or damaged.
+std::set<std::string> FilesOfMetadata(const fs::path& folder) {
+  const fs::path file = folder / "metadata.yaml";
+  std::set<std::string> names;
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return names;
+  try {
+    const YamlReader list =
+        YamlReader::FromFile(file).At("rosbag2_bagfile_information").At("relative_file_paths");
+    for (const YamlReader& name : list.Items()) names.insert(PlainName(name.String()).filename().string());
+  } catch (const DataError&) {
+    names.clear();
+  }
+  return names;
+}
+
+// True if the files of a folder are parts of one bag: by their names, or by the metadata beside them.
+bool AreOneBag(const fs::path& folder, const std::vector<fs::path>& files) {
+  const auto has_name_of_first = [&](const fs::path& file) {
+    return NameOf(file).bag == NameOf(files.front()).bag;
+  };
+  if (std::ranges::all_of(files, has_name_of_first)) return true;
+  const std::set<std::string> listed = FilesOfMetadata(folder);
+  return std::ranges::all_of(
+      files, [&](const fs::path& file) { return listed.contains(PlainName(file).filename().string()); });
 }
 
 }  // namespace
@@ -97,7 +136,12 @@ bool IsRos2Bag(const fs::path& path) {
 }
 
 std::vector<fs::path> Ros2BagFiles(const fs::path& path, Ros2Storage storage) {
-  return FilesOf(path, MarksOf(storage));
+  std::vector<fs::path> files = FilesOf(path, MarksOf(storage));
+  std::error_code error;
+  if (files.empty() || !fs::is_directory(path, error)) return files;
+  const Ros2Storage other = storage == Ros2Storage::kSqlite ? Ros2Storage::kMcap : Ros2Storage::kSqlite;
+  if (!AreOneBag(path, files) || !FilesOf(path, MarksOf(other)).empty()) return {};
+  return files;
 }
 
 }  // namespace sonarcal::data_io

@@ -95,8 +95,9 @@ class BagRecording final : public RecordingSource {
     if (messages_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
       throw DataError("{}: {} messages, expected an int's", info_.source, messages_.size());
     info_.format = fmt::format("{}, {}", bag_->format(), topic_.type);
-    const std::vector<std::byte> first = DescribeFirst();
+    const FirstMessage first = DescribeFirst();
     ReadSonarInfos();
+    DescribeSettings(first);
     ReadOrigin();
     NoteBag(first);
   }
@@ -117,6 +118,12 @@ class BagRecording final : public RecordingSource {
   }
 
  private:
+  // First message that can be read.
+  struct FirstMessage {
+    int index = 0;
+    std::vector<std::byte> bytes;
+  };
+
   std::string Where(int index) const {
     return fmt::format("{}: {}: message {}", info_.source, Printable(topic_.name), index);
   }
@@ -166,29 +173,47 @@ class BagRecording final : public RecordingSource {
     return std::nullopt;
   }
 
-  // Keeps the messages that state something new.
+  // Keeps the messages that state something new, by their stamps. Those may have another order than the times
+  // of recording.
   void ReadSonarInfos() {
-    settings_ = info_.settings;
-    message_scale_ = info_.scale;
     const std::optional<std::size_t> index = FindSonarInfoTopic();
     if (!index) return;
     const BagTopic& topic = bag_->topics()[*index];
     int damaged = 0;
+    std::vector<SonarInfo> contents;  // different from one to the next, by time of recording
+    struct Stamp {
+      std::int64_t time_ns;
+      std::size_t content;
+    };
+    std::vector<Stamp> stamps;
     const std::vector<BagMessage> messages = bag_->Messages(*index);
     for (std::size_t i = 0; i < messages.size(); ++i) {
       const std::string where = fmt::format("{}: {}: message {}", info_.source, Printable(topic.name), i);
       try {
         SonarInfo sonar = ReadSonarInfo(bag_->Read(messages[i]), topic.encoding, where);
-        if (sonar.stamp_ns == 0) sonar.stamp_ns = messages[i].log_time_ns;
-        if (sonar_infos_.empty() || !HasSameContent(sonar, sonar_infos_.back()))
-          sonar_infos_.push_back(std::move(sonar));
+        const std::int64_t time_ns = sonar.stamp_ns == 0 ? messages[i].log_time_ns : sonar.stamp_ns;
+        if (contents.empty() || !HasSameContent(sonar, contents.back())) contents.push_back(std::move(sonar));
+        stamps.push_back({time_ns, contents.size() - 1});
       } catch (const DataError& error) {
         if (++damaged == 1) info_.notes.push_back(fmt::format("SonarInfo was left out: {}.", error.what()));
       }
     }
-    std::ranges::stable_sort(sonar_infos_, {}, &SonarInfo::stamp_ns);
-    if (sonar_infos_.empty()) return;
-    Describe(sonar_infos_.front(), info_);
+    std::ranges::stable_sort(stamps, {}, &Stamp::time_ns);
+    for (const Stamp& stamp : stamps) {
+      const SonarInfo& sonar = contents[stamp.content];
+      if (!sonar_infos_.empty() && HasSameContent(sonar, sonar_infos_.back())) continue;
+      sonar_infos_.push_back(sonar);
+      sonar_infos_.back().stamp_ns = stamp.time_ns;
+    }
+  }
+
+  // Completes the description from the SonarInfo that holds for the first message.
+  void DescribeSettings(const FirstMessage& first) {
+    settings_ = info_.settings;
+    message_scale_ = info_.scale;
+    const SonarInfo* sonar = SonarInfoAt(TimeNs(first.index, first.bytes));
+    if (sonar == nullptr) return;
+    Describe(*sonar, info_);
     if (sonar_infos_.size() > 1) {
       info_.notes.push_back(
           fmt::format("SonarInfo has {} versions, each for a part of the frames: settings and scale differ.",
@@ -197,8 +222,8 @@ class BagRecording final : public RecordingSource {
   }
 
   // Describes the sonar from the first message that can be read, so that one damaged message does not hide
-  // the others. Returns its bytes. Throws DataError if none of the first messages can be read.
-  std::vector<std::byte> DescribeFirst() {
+  // the others. Throws DataError if none of the first messages can be read.
+  FirstMessage DescribeFirst() {
     constexpr int kMaxTries = 100;
     std::string of_first;
     for (int index = 0; index < std::min(frame_count(), kMaxTries); ++index) {
@@ -211,7 +236,7 @@ class BagRecording final : public RecordingSource {
           info_.notes.push_back(fmt::format(
               "The sonar is described from message {}, the first that can be read: {}.", index, of_first));
         }
-        return bytes;
+        return {index, std::move(bytes)};
       } catch (const DataError& error) {
         if (index == 0) of_first = error.what();
       }
@@ -235,7 +260,7 @@ class BagRecording final : public RecordingSource {
     }
   }
 
-  void NoteBag(std::span<const std::byte> first) {
+  void NoteBag(const FirstMessage& first) {
     info_.details.emplace_back("topic", Printable(topic_.name));
     for (const BagTopic& topic : bag_->topics()) {
       if (topic.name == topic_.name && topic.type == topic_.type && topic.encoding == topic_.encoding)
@@ -244,7 +269,7 @@ class BagRecording final : public RecordingSource {
                                  fmt::format("{}, {} {}", Printable(topic.type), topic.count,
                                              topic.count == 1 ? "message" : "messages"));
     }
-    if (StampNs(0, first) == 0) {
+    if (StampNs(first.index, first.bytes) == 0) {
       info_.notes.emplace_back(
           "The header of the first message has no time: such frames have the time they were recorded.");
     }

@@ -8,6 +8,8 @@
 
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "data_io/json/sonar_limits.h"
+#include "data_io/recordings/recording_limits.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -69,6 +71,7 @@ void CheckSizes(const ProjectedSonarImage& message, const std::string& where) {
 std::vector<float> Samples(const ProjectedSonarImage& message, const std::string& where) {
   const std::uint64_t bytes = TypeOf(message, where).bytes;
   const bool is_whole = TypeOf(message, where).largest > 0.0;
+  const double max = is_whole ? kMaxRecordedFullScale : std::numeric_limits<float>::max();
   std::vector<float> samples(message.data.size() / bytes);
   const std::byte* next = message.data.data();
   for (std::size_t i = 0; i < samples.size(); ++i, next += bytes) {
@@ -77,10 +80,9 @@ std::vector<float> Samples(const ProjectedSonarImage& message, const std::string
       raw = raw << 8 | std::to_integer<std::uint64_t>(next[message.is_big_endian ? k : bytes - 1 - k]);
     }
     const double sample = SampleOf(message.sample_type, raw);
-    if (!std::isfinite(sample) || (is_whole && sample < 0.0) ||
-        std::abs(sample) > std::numeric_limits<float>::max()) {
+    if (!std::isfinite(sample) || (is_whole && sample < 0.0) || std::abs(sample) > max) {
       throw DataError("{}: sample {} is {:g}, expected {}", where, i, sample,
-                      is_whole ? "0 or more" : "a finite number");
+                      is_whole ? fmt::format("0 or more, at most {:g}", max) : "a finite number");
     }
     samples[i] = static_cast<float>(sample);
   }
@@ -140,7 +142,7 @@ PolarAxes AxesOf(const ProjectedSonarImage& message, const std::string& where,
 
 ImageScale ScaleOf(const ProjectedSonarImage& message, const std::string& where) {
   ImageScale scale;
-  scale.full_scale = TypeOf(message, where).largest;
+  scale.full_scale = std::min(TypeOf(message, where).largest, kMaxRecordedFullScale);
   if (scale.full_scale == 0.0) {
     scale.quantity = Quantity::kPower;
     scale.full_scale = 1.0;
@@ -216,8 +218,11 @@ void Describe(const ProjectedSonarImage& message, const std::string& where,
   SonarModel& sonar = info.sonar;
   sonar.name = "sonar of a ProjectedSonarImage";
   sonar.axes = AxesOf(message, where, options);
-  sonar.frequency_hz =
-      message.frequency_hz > 0.0F && std::isfinite(message.frequency_hz) ? message.frequency_hz : 0.0;
+  if (kSonarFrequencyHz.Contains(message.frequency_hz)) {
+    sonar.frequency_hz = message.frequency_hz;
+  } else if (message.frequency_hz != 0.0F) {
+    info.notes.push_back(fmt::format("Frequency {} Hz is invalid and was omitted.", message.frequency_hz));
+  }
   sonar.sound_speed_m_per_s = message.sound_speed_m_per_s > 1000.0F && message.sound_speed_m_per_s < 2000.0F
                                   ? message.sound_speed_m_per_s
                                   : 0.0;

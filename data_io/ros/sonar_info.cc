@@ -5,6 +5,7 @@
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/recordings/recording_limits.h"
 #include "data_io/ros/projected_sonar_image.h"
 #include "data_io/ros/ros_messages.h"
 
@@ -98,6 +99,29 @@ bool StatesLevels(const SonarInfo& sonar) {
          sonar.scale > 0.0F && std::isfinite(sonar.offset);
 }
 
+// Levels of grey 0 and of full scale. Relative levels begin at 0.
+struct GreyLevels {
+  double min_db = 0.0;
+  double max_db = 0.0;
+
+  // True if recording.json can hold them.
+  bool are_plausible() const {
+    return max_db > min_db && std::abs(min_db) <= kMaxRecordedLevelDb &&
+           std::abs(max_db) <= kMaxRecordedLevelDb;
+  }
+};
+
+// Levels of grey values, if the message states them.
+std::optional<GreyLevels> GreyLevelsOf(const SonarInfo& sonar, const ImageScale& scale) {
+  if (scale.quantity != Quantity::kGrey || !StatesLevels(sonar)) return std::nullopt;
+  const double min_db = sonar.reference == IntensityReference::kAbsolute ? sonar.offset : 0.0;
+  return GreyLevels{min_db, min_db + scale.full_scale * sonar.scale};
+}
+
+bool IsPlausiblePulse(float pulse_s) {
+  return pulse_s > 0.0F && 1e6 * static_cast<double>(pulse_s) <= kMaxRecordedPulseUs;
+}
+
 bool HoldsAmplitude(const SonarInfo& sonar, const ImageScale& scale) {
   return scale.quantity == Quantity::kPower && sonar.intensity_scale == IntensityScale::kLinear &&
          sonar.quantity == IntensityQuantity::kAmplitude;
@@ -105,6 +129,21 @@ bool HoldsAmplitude(const SonarInfo& sonar, const ImageScale& scale) {
 
 bool HoldsLevels(const SonarInfo& sonar, const ImageScale& scale) {
   return scale.quantity == Quantity::kPower && sonar.intensity_scale == IntensityScale::kDecibel;
+}
+
+// Notes values that a recording cannot hold, and which are left out.
+void NoteImplausible(const SonarInfo& sonar, RecordingInfo& info) {
+  const auto note = [&info](const std::string& what) {
+    info.notes.push_back(fmt::format("{} of SonarInfo is invalid and was omitted.", what));
+  };
+  if (const auto levels = GreyLevelsOf(sonar, info.scale); levels && !levels->are_plausible())
+    note(fmt::format("The dB scale {:g} .. {:g} dB", levels->min_db, levels->max_db));
+  if (std::abs(sonar.source_level_db) > kMaxRecordedLevelDb)
+    note(fmt::format("The source level {:g} dB", sonar.source_level_db));
+  for (const float pulse_s : sonar.pulse_length_s) {
+    if (pulse_s > 0.0F && !IsPlausiblePulse(pulse_s))
+      return note(fmt::format("The pulse length {:g} s", pulse_s));
+  }
 }
 
 }  // namespace
@@ -154,12 +193,13 @@ ImageScale ScaleWith(const SonarInfo& sonar, const ImageScale& scale) {
   ImageScale with = scale;
   if (HoldsLevels(sonar, scale)) {
     with.quantity = Quantity::kDecibel;
-  } else if (scale.quantity == Quantity::kGrey && StatesLevels(sonar)) {
+  } else if (const auto levels = GreyLevelsOf(sonar, scale); levels && levels->are_plausible()) {
     if (sonar.reference == IntensityReference::kAbsolute) {
-      with.db_min = sonar.offset;
-      with.db_max = sonar.offset + scale.full_scale * sonar.scale;
+      with.db_min = levels->min_db;
+      with.db_max = levels->max_db;
+      with.db_span.reset();
     } else {
-      with.db_span = scale.full_scale * sonar.scale;
+      with.db_span = levels->max_db;
     }
   }
   return with;
@@ -179,7 +219,7 @@ SonarSettings SettingsWith(const SonarInfo& sonar, const ImageScale& scale, Sona
   const bool is_one_pulse = !pulses_s.empty() && std::ranges::all_of(pulses_s, [&](float pulse_s) {
     return pulse_s == pulses_s[0];
   });
-  if (is_one_pulse && std::isfinite(pulses_s[0]) && pulses_s[0] > 0.0F)
+  if (is_one_pulse && IsPlausiblePulse(pulses_s[0]))
     settings.pulse_length_us = 1e6 * static_cast<double>(pulses_s[0]);
   if (sonar.tvg != TvgModel::kUnknown) settings.time_varied_gain = sonar.tvg != TvgModel::kNone;
   if (scale.quantity != Quantity::kGrey) return settings;
@@ -189,6 +229,7 @@ SonarSettings SettingsWith(const SonarInfo& sonar, const ImageScale& scale, Sona
 }
 
 void Describe(const SonarInfo& sonar, RecordingInfo& info) {
+  NoteImplausible(sonar, info);
   if (!sonar.sonar_model.empty()) info.sonar.name = Printable(sonar.sonar_model);
   if (HoldsLevels(sonar, info.scale)) std::erase(info.notes, kFloatsAreTakenAsPower);
   if (HoldsAmplitude(sonar, info.scale))
@@ -199,10 +240,11 @@ void Describe(const SonarInfo& sonar, RecordingInfo& info) {
     if (sonar.quantity == IntensityQuantity::kAmplitude) info.display_gamma = 1.0;
     if (sonar.quantity == IntensityQuantity::kPower) info.display_gamma = 2.0;
   }
-  if (std::isfinite(sonar.source_level_db)) info.source_level_db = sonar.source_level_db;
-  std::erase(info.notes, kNoSettingsRecorded);
-  info.notes.emplace_back(
-      "Neither gain nor water is recorded. Pulse, time-varied gain and scale are those of SonarInfo.");
+  if (std::abs(sonar.source_level_db) <= kMaxRecordedLevelDb) info.source_level_db = sonar.source_level_db;
+  // Messages without this note state a gain, or have a note of their own.
+  if (std::erase(info.notes, kNoSettingsRecorded) > 0)
+    info.notes.emplace_back("Neither gain nor water is recorded.");
+  info.notes.emplace_back("Pulse, time-varied gain and scale are those of SonarInfo.");
   std::string tvg = Name(sonar.tvg);
   if (std::isfinite(sonar.tvg_absorption_db_per_km))
     tvg += fmt::format(", absorption {:g} dB/km", sonar.tvg_absorption_db_per_km);

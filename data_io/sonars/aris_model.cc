@@ -5,6 +5,7 @@
 
 #include "core/sonars/aris_pings.h"
 #include "core/types/error.h"
+#include "data_io/recordings/recording_limits.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -63,10 +64,12 @@ PolarAxes ArisAxes(const ArisHeader& header, const std::string& what) {
 }
 
 SonarSettings ArisSettings(const ArisHeader& header) {
-  return {.gain_db = header.gain_db,
-          .pulse_length_us = header.pulse_width_us,
-          .time_varied_gain = {},
-          .compression = Compression::kLogarithm};
+  SonarSettings settings;
+  if (header.gain_db <= kMaxRecordedLevelDb) settings.gain_db = header.gain_db;
+  if (header.pulse_width_us > 0 && header.pulse_width_us <= kMaxRecordedPulseUs)
+    settings.pulse_length_us = header.pulse_width_us;
+  settings.compression = Compression::kLogarithm;
+  return settings;
 }
 
 void DescribeAris(const ArisHeader& header, const std::string& what, RecordingInfo& info) {
@@ -96,6 +99,12 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
                     header.water_temperature_c, header.salinity_ppt));
   }
   info.settings = ArisSettings(header);
+  if (!info.settings.gain_db)
+    info.notes.push_back(fmt::format("Receiver gain {} dB is impossible and was omitted.", header.gain_db));
+  if (!info.settings.pulse_length_us) {
+    info.notes.push_back(
+        fmt::format("Pulse width {} us is impossible and was omitted.", header.pulse_width_us));
+  }
   info.details = {{"frame rate", fmt::format("{:.3f} Hz", header.frame_rate_hz)},
                   {"receiver gain", fmt::format("{} dB", header.gain_db)},
                   {"pulse width", fmt::format("{} us", header.pulse_width_us)},

@@ -50,7 +50,8 @@ PolarAxes ArisAxes(const ArisHeader& header, const std::string& what);
 // Sonar, scale, water and settings of the first frame, with notes on assumptions and invalid values.
 void DescribeAris(const ArisHeader& header, const std::string& what, RecordingInfo& info);
 
-// Settings in a frame's header; time-varying gain is not recorded.
+// Settings in a frame's header; time-varying gain is not recorded. A gain or pulse beyond the limits of
+// recording.json is left out.
 SonarSettings ArisSettings(const ArisHeader& header);
 
 // Adds a note if the window of the header differs from that of the sample timing.

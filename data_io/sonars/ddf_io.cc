@@ -72,14 +72,16 @@ DdfHeader ParseFileHeader(const ByteReader& reader, int version) {
 // Seconds since 1970 of the frame's clock fields; nothing if they are not a date.
 std::optional<double> TimeOf(const ByteReader& reader) {
   const auto field = [&](int index) { return reader.I32(20 + 4 * index, "date and time"); };
+  // The types of a date keep a byte of month and day, so they alone would take month 257 for January.
+  constexpr std::array<std::array<std::int32_t, 2>, 7> kLimits = {
+      {{1970, 2200}, {1, 12}, {1, 31}, {0, 23}, {0, 59}, {0, 59}, {0, 99}}};
+  for (int i = 0; i < 7; ++i) {
+    if (field(i) < kLimits[i][0] || field(i) > kLimits[i][1]) return std::nullopt;
+  }
   const std::chrono::year_month_day date{std::chrono::year{field(0)},
                                          std::chrono::month{static_cast<unsigned>(field(1))},
                                          std::chrono::day{static_cast<unsigned>(field(2))}};
-  const auto within = [](std::int32_t value, std::int32_t end) { return value >= 0 && value < end; };
-  if (field(0) < 1970 || field(0) > 2200 || !date.ok() || !within(field(3), 24) || !within(field(4), 60) ||
-      !within(field(5), 60) || !within(field(6), 100)) {
-    return std::nullopt;
-  }
+  if (!date.ok()) return std::nullopt;
   const double days = static_cast<double>(std::chrono::sys_days{date}.time_since_epoch().count());
   return 86400.0 * days + 3600.0 * field(3) + 60.0 * field(4) + field(5) + 0.01 * field(6);
 }

@@ -194,7 +194,9 @@ class DfkiUxoRecording final : public RecordingSource {
 
   // The target has the name of the folder of its recordings.
   void DescribeTarget(const FrameTree& tree) {
-    const std::string target = fs::absolute(folder_).lexically_normal().parent_path().filename().string();
+    // "." and a slash at the end leave an empty last part, so one is added to every path.
+    const fs::path whole = (fs::absolute(folder_) / "").lexically_normal().parent_path();
+    const std::string target = whole.parent_path().filename().string();
     const std::optional<Pose> pose = tree.Find("world", "target/" + target);
     if (!pose) return;
     const Eigen::Quaterniond& q = pose->rotation;
@@ -221,8 +223,7 @@ bool IsDfkiUxo(const fs::path& path) {
 }
 
 std::unique_ptr<RecordingSource> OpenDfkiUxo(const fs::path& path) {
-  // Its parents are found by name, and "a/b/" has an empty one.
-  return std::make_unique<DfkiUxoRecording>(path.has_filename() ? path : path.parent_path());
+  return std::make_unique<DfkiUxoRecording>(path);
 }
 
 }  // namespace sonarcal::data_io

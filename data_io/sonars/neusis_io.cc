@@ -43,7 +43,7 @@ bool IsFile(const fs::path& path) {
 // Config.json beside the pickles, or beside their folder Data.
 fs::path ConfigOf(const fs::path& folder) {
   if (IsFile(folder / kConfig)) return folder / kConfig;
-  const fs::path whole = fs::absolute(folder / "").lexically_normal().parent_path();
+  const fs::path whole = fs::absolute(folder / ".").lexically_normal().parent_path();
   if (whole.filename() == kDataFolder && IsFile(whole.parent_path() / kConfig))
     return whole.parent_path() / kConfig;
   return {};

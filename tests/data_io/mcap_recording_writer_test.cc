@@ -219,6 +219,31 @@ TEST_F(McapRecordingWriterTest, ACalibratedSonarIsWrittenAsSonarInfo) {
   EXPECT_THAT(info.notes, ::testing::Each(::testing::Not(HasSubstr("SonarInfo has"))));
 }
 
+// The display adds the receiver's gain to the levels in the water, to which SonarInfo refers.
+TEST_F(McapRecordingWriterTest, AbsoluteLevelsOfSonarInfoDoNotContainTheGain) {
+  SonarCalibration calibration{
+      .parameters = {}, .absorption_db_per_m = 0.0, .reference = "a calibration", .time_ns = 5};
+  calibration.parameters.source_level_db = 190.0;
+  calibration.parameters.display = {.db_min = 60.0, .db_max = 120.0};
+  calibration.parameters.receiver.gain_db = 20.0;
+  const auto path = Write(Recording(GreyUpTo(255.0)), {.calibration = calibration});
+  const auto infos = Of(testing::DecodeMcap(testing::ReadFile(path)), "/sonar/sonar_info");
+  ASSERT_EQ(infos.size(), 1U);
+  EXPECT_EQ(infos[0].message.at("intensity_reference"), 2);
+  EXPECT_EQ(infos[0].message.at("offset"), 40.0);
+  EXPECT_NEAR(infos[0].message.at("scale").get<double>(), 60.0 / 255.0, 1e-6);
+  EXPECT_EQ(infos[0].message.at("source_level_db"), 190.0);
+}
+
+TEST_F(McapRecordingWriterTest, APathThatIsNotUtf8IsReplaced) {
+  const MemoryRecording recording = Recording(GreyUpTo(255.0), 1);
+  RecordingInfo info = recording.info();
+  info.scene_path = "/d\xe9p/tank.gltf";
+  const auto mcap =
+      testing::DecodeMcap(testing::ReadFile(Write(MemoryRecording(info, {recording.ReadFrame(0)}))));
+  EXPECT_EQ(Json::parse(mcap.metadata.at("recording.json")).at("scene"), "d\xef\xbf\xbdp/tank.gltf");
+}
+
 TEST_F(McapRecordingWriterTest, UnknownValuesAreLeftOutOfSonarInfo) {
   const auto unknown =
       Of(testing::DecodeMcap(testing::ReadFile(Write(Recording(GreyUpTo(255.0))))), "/sonar/sonar_info");
@@ -286,7 +311,13 @@ TEST_F(McapRecordingWriterTest, RecordingsThatDoNotFitAreRefused) {
               HasSubstr("time_s is 3e+09, expected 0 .. 2147483647 for ROS"));
   std::vector<Frame> other = frames;
   other[1].image.axes.range_max_m = 5.0;
-  EXPECT_THAT(refusal(recording.info(), other), HasSubstr("frame 1 differs from that of the first frame"));
+  EXPECT_THAT(refusal(recording.info(), other), HasSubstr("frame 1 differs from the first: range windows"));
+  std::vector<Frame> louder = frames;
+  louder[1].image.scale.db_span = 40.0;
+  EXPECT_THAT(refusal(recording.info(), louder), HasSubstr("frame 1 differs from the first in the scale"));
+  const MemoryRecording fractions = Recording(GreyUpTo(1.0), 1);
+  EXPECT_THAT(refusal(fractions.info(), {fractions.ReadFrame(0)}),
+              HasSubstr("full scale of the recording's grey values is 1, expected"));
   std::vector<Frame> twice = frames;
   twice[1].info.time_s = twice[0].info.time_s;
   EXPECT_THAT(refusal(recording.info(), twice), HasSubstr("have the same time, 100.250000000 s"));

@@ -125,6 +125,17 @@ TEST(PosedRecordingTest, GivesTheMotionBetweenThePingsOfAFrame) {
   EXPECT_EQ(posed_at(0.3), std::nullopt);
 }
 
+TEST(PosedRecordingTest, DropsTheMotionOfTheOldPoses) {
+  RecordingInfo info;
+  info.source = "rec";
+  Frame frame{{"a", 0.1, Pose()}, {}};
+  frame.info.motion = Motion{.velocity_m_per_s = {1.0, 0.0, 0.0}};
+  const PosedRecording posed(std::make_unique<MemoryRecording>(info, std::vector<Frame>{frame}),
+                             {.world_from_body = {{0.0, Pose()}, {0.4, Pose()}}});
+  EXPECT_EQ(posed.frame_info(0).motion, std::nullopt);
+  EXPECT_EQ(posed.ReadFrame(0).info.motion, std::nullopt);
+}
+
 TEST(PoseIoTest, MotionOfAPoseReadsBack) {
   const TempDir dir;
   std::vector<TimedPose> poses = TurningPoses(2);

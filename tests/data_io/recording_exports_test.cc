@@ -16,8 +16,10 @@
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
 #include "data_io/pictures/fan_pictures.h"
+#include "data_io/pictures/picture_geometry.h"
 #include "data_io/posed_recording.h"
 #include "data_io/recordings/npz_writer.h"
+#include "data_io/recordings/recording_io.h"
 #include "data_io/ros/bag_recording.h"
 #include "tests/support/temp_dir.h"
 
@@ -86,6 +88,18 @@ ImageScale Power() {
   scale.quantity = Quantity::kPower;
   scale.full_scale = 1.0;
   return scale;
+}
+
+// Grey values with fractions, between a tenth and 85 % of full scale.
+MemoryRecording Fractions(double full_scale) {
+  const MemoryRecording whole = Recording(GreyUpTo(full_scale));
+  std::vector<Frame> frames;
+  for (int i = 0; i < whole.frame_count(); ++i) {
+    frames.push_back(whole.ReadFrame(i));
+    for (float& value : frames.back().image.value.values())
+      value = static_cast<float>(0.75 * static_cast<double>(value) + 0.1 * full_scale);
+  }
+  return {whole.info(), std::move(frames)};
 }
 
 Json RunPython(const std::string& script, const std::filesystem::path& file) {
@@ -179,6 +193,18 @@ TEST(Ros1BagWriterTest, EveryFrameFindsItsPoseAgainWhereverTimesBegin) {
   ExpectPosesComeBack(PosedAt({{}, {}, {}}), dir / "without_times.bag");
 }
 
+TEST(Ros1BagWriterTest, FramesWithoutATimeStayBetweenTheirNeighbours) {
+  const TempDir dir;
+  ExpectPosesComeBack(PosedAt({10.0, {}, 10.5}), dir / "one.bag");
+  EXPECT_NEAR(*OpenBagRecording(dir / "one.bag", {.topic = "/sonar/image"})->frame_info(1).time_s, 10.25,
+              1e-6);
+  ExpectPosesComeBack(PosedAt({{}, 0.5, {}, {}, 0.6, {}, 1.0}), dir / "several.bag");
+  ExpectPosesComeBack(PosedAt({{}, 1.0}), dir / "first.bag");
+  ExpectPosesComeBack(PosedAt({10.0, {}, 20.0}), dir / "far.bag");
+  EXPECT_NEAR(*OpenBagRecording(dir / "far.bag", {.topic = "/sonar/image"})->frame_info(1).time_s, 11.0,
+              1e-6);
+}
+
 TEST(Ros1BagWriterTest, RefusesTwoPosesAtOneTime) {
   const TempDir dir;
   EXPECT_THAT(
@@ -186,8 +212,8 @@ TEST(Ros1BagWriterTest, RefusesTwoPosesAtOneTime) {
         WriteRos1Bag(PosedAt({0.0, 1.0, 1.0}), dir / "a.bag");
       },
       ::testing::ThrowsMessage<DataError>(HasSubstr("frames 1 and 2 have the same time")));
-  // Without a time the first frame is logged at 1 s.
-  EXPECT_THROW(WriteRos1Bag(PosedAt({{}, 1.0}), dir / "b.bag"), DataError);
+  // No time lies before 0 s, which is written as 1 ns.
+  EXPECT_THROW(WriteRos1Bag(PosedAt({{}, 0.0}), dir / "b.bag"), DataError);
 }
 
 // By the definitions in the bag, which rosbag parses itself.
@@ -242,6 +268,16 @@ TEST(Ros1BagWriterTest, RecordingsThatABagCannotHoldAreRefused) {
   EXPECT_THROW(WriteRos1Bag(Recording(), dir / "absent" / "out.bag"), DataError);
 }
 
+// A bag's floats are power, so that it cannot hold these.
+TEST(Ros1BagWriterTest, GreyScalesWithoutWholeLevelsAreRefused) {
+  const TempDir dir;
+  for (const double full_scale : {1.0, 100.5, 200000.0}) {
+    EXPECT_THAT([&] { WriteRos1Bag(Fractions(full_scale), dir / fmt::format("{}.bag", full_scale)); },
+                ::testing::ThrowsMessage<DataError>(HasSubstr("expected a whole number from 2 to 65535")))
+        << full_scale;
+  }
+}
+
 TEST(NpzWriterTest, NumPyFindsTheSame) {
   for (const ImageScale& scale : {GreyUpTo(255.0), GreyUpTo(4095.0), Power()}) {
     const TempDir dir;
@@ -275,6 +311,48 @@ TEST(NpzWriterTest, NumPyFindsTheSame) {
     EXPECT_EQ(read.at("recording").at("sonar").at("frequency_hz"), 1.2e6);
     EXPECT_EQ(read.at("recording").at("water").at("temperature_c"), 11.0);
   }
+}
+
+TEST(NpzWriterTest, GreyScalesWithoutWholeLevelsAreFloats) {
+  for (const double full_scale : {1.0, 100.5, 200000.0}) {
+    const TempDir dir;
+    const MemoryRecording recording = Fractions(full_scale);
+    WriteNpz(recording, dir / "out.npz");
+    const Json read = RunPython("read_npz.py", dir / "out.npz");
+    const Json& images = read.at("arrays").at("images");
+    EXPECT_EQ(images.at("dtype"), "float32");
+    EXPECT_EQ(read.at("recording").at("image").at("bits"), 32);
+    const Grid<float> value = recording.ReadFrame(1).image.value;
+    for (int bin = 0; bin < kBins; ++bin) {
+      for (int beam = 0; beam < kBeams; ++beam)
+        ASSERT_EQ(images.at("values").at(1).at(bin).at(beam).get<float>(), value(bin, beam)) << full_scale;
+    }
+  }
+}
+
+TEST(NpzWriterTest, FramesOfAnotherScaleAndValuesOutsideItAreRefused) {
+  const TempDir dir;
+  const MemoryRecording recording = Recording();
+  const auto write_second = [&](const Frame& second) {
+    WriteNpz(MemoryRecording(recording.info(), {recording.ReadFrame(0), second}), dir / "out.npz");
+  };
+  Frame other = recording.ReadFrame(1);
+  other.image.scale.db_min = 10.0;
+  EXPECT_THAT([&] { write_second(other); },
+              ::testing::ThrowsMessage<DataError>(HasSubstr("frame 1 differs from the first in the scale")));
+  Frame bright = recording.ReadFrame(1);
+  bright.image.value(2, 3) = 256.0F;
+  EXPECT_THAT([&] { write_second(bright); },
+              ::testing::ThrowsMessage<DataError>(HasSubstr("frame 1: the pixel in row 2, column 3 is 256")));
+}
+
+TEST(NpzWriterTest, APathThatIsNotUtf8IsReplaced) {
+  const TempDir dir;
+  RecordingInfo info = Recording().info();
+  info.scene_path = "/d\xe9p/tank.gltf";
+  WriteNpz(MemoryRecording(info, {Recording().ReadFrame(0)}), dir / "out.npz");
+  EXPECT_EQ(RunPython("read_npz.py", dir / "out.npz").at("recording").at("scene"),
+            "d\xef\xbf\xbdp/tank.gltf");
 }
 
 TEST(NpzWriterTest, TheSameRecordingGivesTheSameBytes) {
@@ -346,6 +424,36 @@ TEST(FanPicturesTest, RatesAreThoseOfTheTimes) {
   EXPECT_DOUBLE_EQ(RecordedFramesPerS(Recording()), 2.0);
   const MemoryRecording recording = Recording();
   EXPECT_EQ(RecordedFramesPerS(MemoryRecording(recording.info(), {recording.ReadFrame(2)})), 0.0);
+}
+
+// The first and the last frame have a time, the one between has none.
+TEST(FanPicturesTest, RatesNeedTwoNeighboursWithTimes) {
+  const MemoryRecording recording = Recording();
+  const Frame timed = recording.ReadFrame(0);
+  EXPECT_EQ(RecordedFramesPerS(MemoryRecording(recording.info(), {timed, recording.ReadFrame(2), timed})),
+            0.0);
+}
+
+// The farthest values that recording.json may hold.
+TEST(FanPicturesTest, EverySonarOfARecordingReadsBack) {
+  const TempDir dir;
+  RecordingInfo info = Recording().info();
+  info.sonar.frequency_hz = 1e9;
+  info.sonar.azimuth_beam_width_deg = 360.0;
+  info.sonar.elevation_beam_width_deg = 360.0;
+  info.sonar.axes.range_max_m = 1e5;
+  for (const double sound_speed_m_per_s : {1000.0, 2000.0}) {
+    info.sonar.sound_speed_m_per_s = sound_speed_m_per_s;
+    testing::WriteFile(dir / "geometry.json", FanPainter(info, {.height_px = 100}).GeometryJson());
+    const PictureGeometry geometry = ReadPictureGeometry(dir / "geometry.json");
+    EXPECT_EQ(geometry.frequency_hz, 1e9);
+    EXPECT_EQ(geometry.azimuth_beam_width_deg, 360.0);
+    EXPECT_EQ(geometry.elevation_beam_width_deg, 360.0);
+    EXPECT_EQ(geometry.range_max_m, 1e5);
+    EXPECT_EQ(geometry.sound_speed_m_per_s, sound_speed_m_per_s);
+    WriteSonarFile(dir / "sonar.json", info);
+    EXPECT_EQ(ReadSonarFile(dir / "sonar.json").sonar.sound_speed_m_per_s, sound_speed_m_per_s);
+  }
 }
 
 TEST(FanPicturesTest, OnlyGreyValuesHaveABrightness) {

@@ -26,6 +26,7 @@ struct MadeUpProjected {
   bool by_range = false;
   int add = 1;
   bool blob = false;  // an echo about bin 10 and beam 6 instead
+  float frequency_hz = 1.2e6F;
 
   double Sample(std::size_t bin, std::size_t beam) const {
     if (blob) {
@@ -75,7 +76,7 @@ struct MadeUpProjected {
 
   std::string Write(Wire wire) const {
     MessageWriter message(wire);
-    message.Header(seconds, nanoseconds, frame_id).F32(1.2e6F).F32(1480.0F).F32s(tx).F32s(rx);
+    message.Header(seconds, nanoseconds, frame_id).F32(frequency_hz).F32(1480.0F).F32s(tx).F32s(rx);
     message.U32(static_cast<std::uint32_t>(azimuth_deg.size()));
     for (const double azimuth : azimuth_deg) {
       const double angle_rad = azimuth * 3.14159265358979323846 / 180.0;

@@ -435,6 +435,44 @@ TEST(WriteRecordingTest, BitsFollowTheScale) {
   EXPECT_EQ(power->ReadFrame(0).image.value(0, 0), -0.5F);
 }
 
+// The second of three frames has fractions, so that the image of the first one must be replaced.
+TEST(WriteRecordingTest, GreyValuesThatAreNotWholeAreWrittenAsFloats) {
+  const TempDir dir;
+  for (const double full_scale : {1.0, 255.0, 4095.0}) {
+    RecordingInfo info = SmallInfo();
+    info.scale.full_scale = full_scale;
+    std::vector<Frame> frames;
+    for (int i = 0; i < 3; ++i) {
+      frames.push_back(SmallRecording(info, 3).ReadFrame(i));
+      for (float& pixel : frames[i].image.value.values())
+        pixel = i == 1 ? pixel / 16.0F : std::min(pixel, 1.0F);
+    }
+    const std::string name = fmt::format("{}", full_scale);
+    WriteRecording(MemoryRecording(info, frames), dir / name);
+    const auto read = OpenRecordingFolder(dir / name);
+    EXPECT_EQ(read->info().scale, info.scale);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(read->frame_info(i).name, fmt::format("frame_000{}.tiff", i));
+      EXPECT_EQ(read->ReadFrame(i).image.value, frames[i].image.value) << full_scale << " " << i;
+      EXPECT_FALSE(fs::exists(dir / name / fmt::format("frame_000{}.png", i)));
+    }
+  }
+}
+
+TEST(WriteRecordingTest, GreyValuesAreRoundedToBitsThatAreAskedFor) {
+  const TempDir dir;
+  WriteRecording(SmallRecording(SmallInfo(), 1, 0.75F), dir / "out", {.bits = 8});
+  EXPECT_EQ(OpenRecordingFolder(dir / "out")->ReadFrame(0).image.value(0, 2), 3.0F);
+}
+
+TEST(WriteSonarFileTest, ANameThatIsNotUtf8IsReplaced) {
+  const TempDir dir;
+  RecordingInfo info = SmallInfo();
+  info.sonar.name = "d\xe9p";
+  WriteSonarFile(dir / "sonar.json", info);
+  EXPECT_EQ(ReadSonarFile(dir / "sonar.json").sonar.name, "d\xef\xbf\xbdp");
+}
+
 TEST(WriteRecordingTest, RecordingsThatCannotBeReadBackAreNotWritten) {
   const TempDir dir;
   const RecordingInfo info = SmallInfo();
@@ -446,6 +484,10 @@ TEST(WriteRecordingTest, RecordingsThatCannotBeReadBackAreNotWritten) {
   frames[1].image.axes.range_max_m = 3.0;
   EXPECT_THAT(MessageOf([&] { WriteRecording(MemoryRecording(info, frames), dir / "x"); }),
               HasSubstr("memory: frame 1 differs from the first: range windows"));
+  frames[1] = frames[0];
+  frames[1].image.scale.db_span = 40.0;
+  EXPECT_THAT(MessageOf([&] { WriteRecording(MemoryRecording(info, frames), dir / "x"); }),
+              HasSubstr("memory: frame 1 differs from the first in the scale of its values"));
   EXPECT_TRUE(fs::is_empty(dir.path()));
 }
 

@@ -3,12 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/types/units.h"
 #include "data_io/open_recording.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_bag.h"
+#include "tests/data_io/made_up_mcap.h"
 #include "tests/data_io/refusal.h"
 #include "tests/data_io/sonar_messages.h"
 #include "tests/support/recordings.h"
@@ -84,7 +88,8 @@ TEST_F(BagRecordingTest, AProjectedSonarImageIsReadFromEitherBag) {
 }
 
 TEST_F(BagRecordingTest, SamplesOfEveryTypeAndByteOrder) {
-  const double largest[] = {255.0, 127.0, 65535.0, 32767.0, 4294967295.0, 2147483647.0};
+  // recording.json holds full scales up to 1e12.
+  const double largest[] = {255.0, 127.0, 65535.0, 32767.0, 4294967295.0, 2147483647.0, 1e12, 1e12};
   for (std::uint32_t type = 0; type <= 9; ++type) {
     for (const bool big_endian : {false, true}) {
       const auto recording = OpenRecording(
@@ -92,11 +97,32 @@ TEST_F(BagRecordingTest, SamplesOfEveryTypeAndByteOrder) {
       const Frame frame = recording->ReadFrame(0);
       EXPECT_EQ(frame.image.value(3, 2), 72.0F) << type;
       EXPECT_EQ(frame.image.scale.quantity, type >= 8 ? Quantity::kPower : Quantity::kGrey);
-      if (type < 6) {
+      if (type < 8) {
         EXPECT_EQ(frame.image.scale.full_scale, largest[type]);
       }
     }
   }
+}
+
+TEST_F(BagRecordingTest, WhatRecordingJsonCannotHoldIsLeftOutOrRefused) {
+  const auto converted = [&](const MadeUpProjected& message) {
+    const testing::TempDir dir;
+    WriteRecording(*OpenRecording(WriteProjected(Wire::kRos1, message)), dir / "out");
+    return OpenRecording(dir / "out")->info();
+  };
+  EXPECT_EQ(converted({.type = 6}).scale.full_scale, 1e12);
+  EXPECT_EQ(converted({.frequency_hz = 1e9F}).sonar.frequency_hz, 1e9);
+  for (const float frequency_hz : {1.1e9F, -1.0F, std::numeric_limits<float>::quiet_NaN()}) {
+    const RecordingInfo info = converted({.frequency_hz = frequency_hz});
+    EXPECT_EQ(info.sonar.frequency_hz, 0.0);
+    EXPECT_THAT(info.notes, Contains(HasSubstr("Hz is invalid and was omitted")));
+  }
+  EXPECT_THAT(converted({.frequency_hz = 0.0F}).notes, Each(Not(HasSubstr("Hz is invalid"))));
+  // The last byte is the highest of the last sample.
+  std::string bytes = MadeUpProjected{.type = 6}.Write(Wire::kRos1);
+  bytes.back() = '\x7f';
+  EXPECT_THAT(testing::RefusalOf(Write(Wire::kRos1, {{"/sonar", kProjectedType, 5, bytes}})),
+              HasSubstr("expected 0 or more, at most 1e+12"));
 }
 
 TEST_F(BagRecordingTest, SampleOrderIsThatOfTheOptionOrOfTheFirstFrame) {
@@ -325,6 +351,55 @@ TEST_F(BagRecordingTest, FilesOfAFolderAreOneBag) {
   ASSERT_EQ(recording->frame_count(), 2);
   EXPECT_EQ(recording->ReadFrame(0).image.value(0, 0), 9.0F);
   EXPECT_EQ(recording->ReadFrame(1).image.value(0, 0), 10.0F);
+}
+
+class BagFolderTest : public BagRecordingTest {
+ protected:
+  // Writes a bag of one message with this first sample into the folder.
+  void WriteSplit(const std::string& name, int sample) {
+    const std::vector<MadeUpMessage> messages = {
+        {"/sonar", kProjectedType, sample, MadeUpProjected{.add = sample}.Write(Wire::kCdrLittle)}};
+    if (name.ends_with(".mcap")) {
+      testing::WriteFile(dir_ / name, testing::McapBytes(messages, {}));
+    } else {
+      testing::WriteRos2Bag(dir_ / name, messages);
+    }
+  }
+};
+
+TEST_F(BagFolderTest, IndependentBagsAreListed) {
+  WriteSplit("morning_0.db3", 1);
+  WriteSplit("other_sonar_0.db3", 2);
+  EXPECT_THAT(testing::RefusalOf(dir_.path()),
+              HasSubstr("the folder holds 2 recordings, expected the path of one of them: morning_0.db3, "
+                        "other_sonar_0.db3"));
+  EXPECT_EQ(OpenRecording(dir_ / "other_sonar_0.db3")->ReadFrame(0).image.value(0, 0), 2.0F);
+}
+
+TEST_F(BagFolderTest, FilesOfBothStoragesAreListed) {
+  WriteSplit("dive_0.db3", 1);
+  WriteSplit("dive_0.mcap", 2);
+  EXPECT_THAT(testing::RefusalOf(dir_.path()), HasSubstr("holds 2 recordings"));
+}
+
+TEST_F(BagFolderTest, FilesThatTheMetadataListAreOneBag) {
+  WriteSplit("morning_0.db3", 1);
+  WriteSplit("renamed_1.db3", 2);
+  const std::string metadata = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - morning_0.db3\n";
+  testing::WriteFile(dir_ / "metadata.yaml", metadata);
+  EXPECT_THAT(testing::RefusalOf(dir_.path()), HasSubstr("holds 2 recordings"));
+  testing::WriteFile(dir_ / "metadata.yaml", metadata + "    - renamed_1.db3\n");
+  const auto recording = OpenRecording(dir_.path());
+  ASSERT_EQ(recording->frame_count(), 2);
+  EXPECT_EQ(recording->ReadFrame(1).image.value(0, 0), 2.0F);
+  testing::WriteFile(dir_ / "metadata.yaml", "[");
+  EXPECT_THAT(testing::RefusalOf(dir_.path()), HasSubstr("holds 2 recordings"));
+}
+
+// A real folder of two bags, which were recorded on different days.
+TEST_F(BagFolderTest, TwoRealBagsAreListed) {
+  SONARCAL_NEEDS_RECORDING(folder, "ros2_oculus_db3");
+  EXPECT_THAT(testing::RefusalOf(folder), AllOf(HasSubstr("my_bag_0.db3"), HasSubstr("rosbag2_2022_11_18")));
 }
 
 TEST_F(BagRecordingTest, BagsThatCannotBeReadAreRefusedByName) {

@@ -7,6 +7,7 @@
 
 #include "core/types/error.h"
 #include "data_io/open_recording.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/data_io/hostile.h"
 #include "tests/data_io/made_up_mcap.h"
 #include "tests/data_io/message_writer.h"
@@ -16,12 +17,16 @@
 namespace sonarcal::data_io {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using testing::MadeUpMessage;
 using testing::MadeUpProjected;
 using testing::MessageWriter;
+using ::testing::Not;
 using ::testing::Pair;
 using testing::Wire;
 
@@ -39,6 +44,7 @@ struct MadeUpSonarInfo {
   std::uint8_t tvg = 3;
   std::vector<float> response_deg = {0.0F, 10.0F};
   std::vector<float> response_db = {0.0F, -3.0F};
+  float source_level_db = 190.0F;
 
   std::string Write(Wire wire = Wire::kCdrLittle) const {
     MessageWriter message(wire);
@@ -46,7 +52,7 @@ struct MadeUpSonarInfo {
     message.F32s(pulses_s);
     if (version > 1) message.F32s({5e4F});
     message.Blob("\1").U8(quantity).U8(intensity_scale).U8(reference).F32(scale).F32(offset);
-    message.U8(tvg).F32(250.0F).F32(190.0F).U8(1).F32s(response_deg).F32s(response_db);
+    message.U8(tvg).F32(250.0F).F32(source_level_db).U8(1).F32s(response_deg).F32s(response_db);
     if (version > 2) message.U8(2).F32(0.001F);
     message.F32s({-5.0F, 0.0F, 5.0F}).F32s({-1.0F, 0.0F, -1.0F});
     return message.bytes();
@@ -126,6 +132,47 @@ TEST_F(SonarInfoBagTest, GreyValuesGetTheirLevels) {
   EXPECT_EQ(linear->info().settings.compression, Compression::kPower);
 }
 
+TEST_F(SonarInfoBagTest, WhatRecordingJsonCannotHoldIsLeftOutAndNoted) {
+  const auto odd =
+      Open({{"/m3/sonar_info", {.pulses_s = {2.0F}, .scale = 100.0F, .source_level_db = -5000.0F}}});
+  EXPECT_FALSE(odd->info().scale.db_min);
+  EXPECT_FALSE(odd->info().scale.db_max);
+  EXPECT_FALSE(odd->info().source_level_db);
+  EXPECT_FALSE(odd->frame_info(0).settings.pulse_length_us);
+  EXPECT_THAT(odd->info().notes,
+              IsSupersetOf({"The dB scale 40 .. 25540 dB of SonarInfo is invalid and was omitted.",
+                            "The source level -5000 dB of SonarInfo is invalid and was omitted.",
+                            "The pulse length 2 s of SonarInfo is invalid and was omitted."}));
+  WriteRecording(*odd, dir_ / "out");
+  EXPECT_EQ(OpenRecording(dir_ / "out")->info().settings, odd->info().settings);
+  EXPECT_FALSE(Open({{"/m3/sonar_info", {.reference = 1, .scale = 4.0F}}})->info().scale.db_span);
+  EXPECT_THAT(Open({{"/m3/sonar_info", {}}})->info().notes, Each(Not(HasSubstr("is invalid"))));
+}
+
+// A user may state a span for a picture.
+TEST(SonarInfoTest, AbsoluteLevelsReplaceASpan) {
+  ImageScale scale;
+  scale.db_span = 60.0;
+  const ImageScale with = ScaleWith(Read(MadeUpSonarInfo{}.Write()), scale);
+  EXPECT_EQ(with.db_max, 40.0 + 0.5 * 255.0);
+  EXPECT_EQ(with.db_span, std::nullopt);
+}
+
+TEST_F(SonarInfoBagTest, GainAndWaterAreSaidToBeMissingOnlyWhereTheyAre) {
+  constexpr const char* kMissing = "Neither gain nor water is recorded.";
+  EXPECT_THAT(Open({{"/m3/sonar_info", {}}})->info().notes, Contains(kMissing));
+  testing::WriteFile(dir_ / "ping.mcap",
+                     testing::McapBytes({{"/m3/ping", "sonar_oculus/OculusPing", 1,
+                                          testing::MadeUpOculusPing{}.Write(Wire::kCdrLittle)},
+                                         {"/m3/sonar_info", kSonarInfoType, 2, MadeUpSonarInfo{}.Write()}},
+                                        {}));
+  const auto ping = OpenRecording(dir_ / "ping.mcap");
+  ASSERT_TRUE(ping->info().water);
+  EXPECT_THAT(ping->info().details, Contains(Pair("gain", "35 %")));
+  EXPECT_THAT(ping->info().notes,
+              AllOf(Contains(HasSubstr("are those of SonarInfo")), Not(Contains(kMissing))));
+}
+
 TEST_F(SonarInfoBagTest, FloatsBecomeLevelsOrPower) {
   constexpr std::uint32_t kFloats = 8;
   const auto levels = Open({{"/m3/sonar_info", {}}}, kFloats);
@@ -143,6 +190,25 @@ TEST_F(SonarInfoBagTest, TheLastMessageBeforeAFrameHoldsForIt) {
                                {"/m3/sonar_info", {.seconds = 100, .pulses_s = {20e-6F}}},
                                {"/m3/sonar_info", {.seconds = 110, .pulses_s = {30e-6F}}}});
   EXPECT_NEAR(*recording->frame_info(0).settings.pulse_length_us, 20.0, 1e-4);
+  EXPECT_THAT(recording->info().notes, Contains(HasSubstr("SonarInfo has 3 versions")));
+}
+
+TEST_F(SonarInfoBagTest, TheRecordingIsDescribedByTheMessageOfItsFirstFrame) {
+  const auto recording =
+      Open({{"/m3/sonar_info", {.seconds = 90, .model = "old"}},
+            {"/m3/sonar_info", {.seconds = 100, .model = "new", .scale = 0.3F, .offset = 50.0F}}});
+  EXPECT_EQ(recording->info().sonar.name, "new");
+  EXPECT_EQ(recording->info().scale.db_min, 50.0);
+  EXPECT_EQ(recording->ReadFrame(0).image.scale, recording->info().scale);
+  EXPECT_EQ(recording->frame_info(0).settings, recording->info().settings);
+}
+
+// Recorded in the order 90, 104, 95 s. The messages of 90 and 104 s state the same.
+TEST_F(SonarInfoBagTest, StampsDecideWhateverTheOrderOfRecording) {
+  const auto recording = Open({{"/m3/sonar_info", {.seconds = 90, .pulses_s = {10e-6F}}},
+                               {"/m3/sonar_info", {.seconds = 104, .pulses_s = {10e-6F}}},
+                               {"/m3/sonar_info", {.seconds = 95, .pulses_s = {20e-6F}}}});
+  EXPECT_NEAR(*recording->frame_info(0).settings.pulse_length_us, 10.0, 1e-4);
   EXPECT_THAT(recording->info().notes, Contains(HasSubstr("SonarInfo has 3 versions")));
 }
 

@@ -43,6 +43,8 @@ struct SyntheticAris {
   float window_start_m = 0.75f;
   float window_length_m = 0.15f;
   int beams = 64;
+  std::uint32_t gain_db = 18;
+  std::uint32_t pulse_width_us = 15;
 
   std::size_t FrameOffset(int frame) const {
     return 1024 + static_cast<std::size_t>(frame) * (1024 + std::size_t(beams) * kSamples);
@@ -61,11 +63,11 @@ struct SyntheticAris {
       file.U32(at + 12, kMagic);
       file.F32(at + 52, window_start_m);
       file.F32(at + 56, window_length_m);
-      file.U32(at + 68, 18);
+      file.U32(at + 68, gain_db);
       file.F32(at + 224, water_temperature_c);
       file.U32(at + 436, ping_mode);
       file.U32(at + 440, high_frequency);
-      file.U32(at + 444, 15);
+      file.U32(at + 444, pulse_width_us);
       file.U32(at + 448, cycle_period_us);
       file.U32(at + 452, sample_period_us);
       file.F32(at + 460, 6.5f);
@@ -192,6 +194,25 @@ TEST_F(ArisTest, LeavesOutWaterThatCannotBe) {
     const auto recording = Open(aris.Write().bytes());
     EXPECT_FALSE(recording->info().water);
     EXPECT_THAT(recording->info().notes, Contains(HasSubstr("are impossible")));
+  }
+}
+
+TEST_F(ArisTest, LeavesOutGainsAndPulsesThatCannotBe) {
+  const auto recording = Open(SyntheticAris{}.Write().bytes());
+  EXPECT_EQ(recording->info().settings.gain_db, 18.0);
+  EXPECT_EQ(recording->info().settings.pulse_length_us, 15.0);
+  EXPECT_THAT(recording->info().notes, Not(Contains(HasSubstr("impossible"))));
+  for (const std::uint32_t pulse_width_us : {0U, 1'000'001U}) {
+    const SyntheticAris aris{.gain_db = 0xffffffff, .pulse_width_us = pulse_width_us};
+    const auto odd = Open(aris.Write().bytes());
+    EXPECT_EQ(odd->info().settings.gain_db, std::nullopt);
+    EXPECT_EQ(odd->frame_info(1).settings.pulse_length_us, std::nullopt);
+    EXPECT_THAT(odd->info().notes, Contains(HasSubstr("Receiver gain 4294967295 dB is impossible")));
+    EXPECT_THAT(odd->info().notes,
+                Contains(fmt::format("Pulse width {} us is impossible and was omitted.", pulse_width_us)));
+    const testing::TempDir dir;
+    WriteRecording(*odd, dir / "copy");
+    EXPECT_EQ(OpenRecording(dir / "copy")->info().settings, odd->info().settings);
   }
 }
 

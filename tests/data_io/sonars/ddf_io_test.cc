@@ -30,6 +30,7 @@ struct MadeUpDdf {
   std::uint32_t length_code = 1;
   std::uint32_t year = 2016;
   std::uint32_t month = 7;
+  std::uint32_t day = 19;
 
   std::size_t FrameOffset(int frame) const {
     const std::size_t header = version == 3 ? 512 : 1024;
@@ -52,7 +53,7 @@ struct MadeUpDdf {
     file.Grow(FrameOffset(frames));
     for (int k = 0; k < frames; ++k) {
       const std::size_t at = FrameOffset(k);
-      const std::uint32_t clock[] = {year, month, 19, 22, 12, 56, 47U + static_cast<std::uint32_t>(k)};
+      const std::uint32_t clock[] = {year, month, day, 22, 12, 56, 47U + static_cast<std::uint32_t>(k)};
       for (int i = 0; i < 7; ++i) file.U32(at + 20 + 4 * i, clock[i]);
       file.U32(at + 52, start_code);
       file.U32(at + 56, length_code);
@@ -137,6 +138,13 @@ TEST_F(DdfTest, TimesComeFromTheClockFields) {
   const auto undated = Open({.month = 13});
   EXPECT_FALSE(undated->frame_info(0).time_s);
   EXPECT_THAT(undated->info().notes, Contains(HasSubstr("no valid date")));
+}
+
+// 257 and 275 are 1 and 19 in their last byte.
+TEST_F(DdfTest, MonthsAndDaysOfMoreThanAByteAreNoDate) {
+  EXPECT_FALSE(Open({.month = 257})->frame_info(0).time_s);
+  EXPECT_FALSE(Open({.day = 275})->frame_info(0).time_s);
+  EXPECT_FALSE(Open({.month = 2, .day = 30})->frame_info(0).time_s);
 }
 
 TEST_F(DdfTest, UntestedFormatsAndContradictoryCountsAreNoted) {

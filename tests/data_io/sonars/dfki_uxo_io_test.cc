@@ -160,6 +160,17 @@ TEST_F(DfkiUxoTest, ThePublishedPosesLookAtTheirTarget) {
               Contains(Pair("target", HasSubstr("100lbs at (1.25108, 1.5927, -1.48983)"))));
 }
 
+TEST_F(DfkiUxoTest, TheTargetIsFoundHoweverTheFolderIsNamed) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(recording_);
+  for (const std::filesystem::path& path : {recording_, recording_ / "", std::filesystem::path("."),
+                                            std::filesystem::path("./"), ".." / recording_.filename()}) {
+    EXPECT_THAT(OpenRecording(path)->info().details, Contains(Pair("target", HasSubstr("100lbs at ("))))
+        << path;
+  }
+  std::filesystem::current_path(before);
+}
+
 TEST_F(DfkiUxoTest, MissingAndContradictoryFilesAreNoted) {
   testing::WriteFile(recording_ / "gantry.csv", "aris_frame_idx,x,y,z\n622,0.165015,0.999479,-0.7\n");
   std::filesystem::remove(recording_ / "aris_raw" / "1340.pgm");

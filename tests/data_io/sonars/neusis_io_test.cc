@@ -138,6 +138,18 @@ TEST_F(NeusisTest, PicklesInTheFolderDataAndASinglePickleOpen) {
   EXPECT_THAT(RefusalOf(dir_ / "Data/10.pkl"), HasSubstr("Config.json, .pkl"));
 }
 
+TEST_F(NeusisTest, APickleOpensByItsNameAlone) {
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::create_directory(dir_ / "Data");
+  WritePickle("Data/1.pkl", GreyItem());
+  for (const std::string folder : {"", "Data"}) {
+    std::filesystem::current_path(dir_ / folder);
+    EXPECT_EQ(RefusalOf(folder.empty() ? "000.pkl" : "1.pkl"), "") << folder;
+    EXPECT_EQ(RefusalOf("."), "") << folder;
+  }
+  std::filesystem::current_path(before);
+}
+
 TEST_F(NeusisTest, OnlyAWorldOfTheSimulatorMakesARecordingSynthetic) {
   const auto recording = OpenRecording(dir_.path());
   EXPECT_TRUE(recording->info().synthetic);
