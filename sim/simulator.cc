@@ -18,6 +18,29 @@ SimulationOptions Checked(SimulationOptions options) {
   return options;
 }
 
+// Highest level of echoes before transmission loss. Single precision ends at 385 dB; the rest is for targets
+// nearer than 1 m and for time-varying gain.
+constexpr double kMaxEchoDb = 350.0;
+
+// Throws DataError if the power of echoes could overflow. The paper's model has levels in place of powers.
+void CheckEchoLevel(const ParameterSet& parameters) {
+  if (parameters.model == EchoModel::kPaper) return;
+  double strongest = 1.0;
+  for (const auto& [name, material] : parameters.materials)
+    strongest = std::max(strongest, material.gsab.a + material.gsab.c + material.gsab.e);
+  double sensitivity_db = 0.0;
+  for (const double of_beam_db : parameters.beam.sensitivity_db)
+    sensitivity_db = std::max(sensitivity_db, of_beam_db);
+  const double level_db =
+      parameters.source_level_db + parameters.receiver.gain_db + DbFromPower(strongest) + sensitivity_db;
+  if (!(level_db <= kMaxEchoDb)) {
+    throw DataError(
+        "source_level_db, receiver.gain_db, the strongest backscatter and the highest beam.sensitivity_db "
+        "add up to {:.1f} dB, expected at most {} dB",
+        level_db, kMaxEchoDb);
+  }
+}
+
 }  // namespace
 
 void SimulationOptions::Check() const {
@@ -122,6 +145,7 @@ EchoHistogram Simulator::GatherEchoes(const Pose& world_from_sonar) const {
 
 PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& parameters,
                              const DrawSeeds& seeds) const {
+  CheckEchoLevel(parameters);
   if (parameters.model == EchoModel::kPaper && options_.trace.normals == NormalSource::kGeometric) {
     RefuseMargin();
     PolarImage image = RenderPaperFrame(*caster_, fan_, world_from_sonar, sonar_,
@@ -157,6 +181,7 @@ PolarImage Simulator::Render(const Pose& world_from_sonar, const ParameterSet& p
 PolarImage Simulator::RenderPings(const Pose& world_from_sonar, const std::vector<PingPose>& pings,
                                   const ParameterSet& parameters, const DrawSeeds& seeds) const {
   if (pings.empty()) return Render(world_from_sonar, parameters, seeds);
+  CheckEchoLevel(parameters);
   if (parameters.model == EchoModel::kCoherent)
     return RenderCoherent(world_from_sonar, pings, parameters, seeds);
   if (parameters.model == EchoModel::kPaper || !options_.noise) {
@@ -243,6 +268,7 @@ void Simulator::RefuseMargin() const {
 PolarImage Simulator::RenderEchoes(const EchoList& echoes, const ParameterSet& parameters,
                                    const DrawSeeds& seeds, const GhostList& ghosts) const {
   SONARCAL_CHECK(parameters.model != EchoModel::kCoherent, "a coherent image is made from a pose");
+  CheckEchoLevel(parameters);
   PolarImage image;
   if (parameters.model == EchoModel::kPaper) {
     RefuseMargin();
@@ -267,9 +293,13 @@ PolarImage Simulator::RenderScatter(const ScatterMap& scatter, const ParameterSe
 
 PolarImage Simulator::RenderExpected(const EchoList& echoes, const ParameterSet& parameters,
                                      const GhostList& ghosts) const {
+  CheckEchoLevel(parameters);
   if (parameters.model != EchoModel::kPaper) {
     const AcousticGeometry geometry{sonar_, absorption_db_per_m_};
-    const PolarImage power = ExpectedPower(Scatter(echoes, parameters, ghosts), geometry, parameters);
+    ParameterSet of_beams = parameters;
+    if (parameters.model == EchoModel::kCoherent)  // its samples always come from an array
+      of_beams.beam.azimuth_pattern = AzimuthPattern::kAperture;
+    const PolarImage power = ExpectedPower(Scatter(echoes, parameters, ghosts), geometry, of_beams);
     return ExpectedDisplay(power, parameters, options_.full_scale());
   }
   RefuseMargin();

@@ -71,7 +71,8 @@ class Simulator {
   GhostList TraceGhosts(const Pose& world_from_sonar, const ParameterSet& parameters,
                         int ray_decimation = 1) const;
 
-  // Image of a pose by the model that the parameters name, in whole grey levels.
+  // Image of a pose by the model that the parameters name, in whole grey levels. Like all functions below
+  // that return an image, throws DataError if levels add up to more power than single precision holds.
   PolarImage Render(const Pose& world_from_sonar, const ParameterSet& parameters, int frame_idx = 0) const {
     return Render(world_from_sonar, parameters, SeedsOf(frame_idx));
   }
@@ -99,7 +100,7 @@ class Simulator {
                           const GhostList& ghosts) const;
 
   // Expected image, not rounded: the mean over range and azimuth errors (paper) or over speckle (acoustic,
-  // and coherent, which has the same mean power).
+  // and coherent, which has the mean power of the acoustic model with AzimuthPattern::kAperture).
   PolarImage RenderExpected(const EchoList& echoes, const ParameterSet& parameters,
                             const GhostList& ghosts = {}) const;
 

@@ -13,7 +13,9 @@ namespace sonarcal {
 
 namespace internal {
 
-// Levels beyond these are mistakes, such as a misplaced decimal point. No formula overflows within them.
+// Levels beyond these are mistakes, such as a misplaced decimal point. Several levels may add up to more than
+// single precision holds, 385 dB of power: sim::Simulator refuses such echoes, and may show such noise as
+// full scale.
 inline constexpr double kMaxLevelDb = 500.0;
 inline constexpr double kMaxPowerRatio = 1e30;
 
@@ -176,13 +178,13 @@ struct ParameterTable<DisplayParameters<T>> {
                            .meaning = "Level shown as 0",
                            .label = "Level shown as black",
                            .required = true,
-                           .paper_fit = FitLimits{-500.0, 2000.0}}),
+                           .paper_fit = FitLimits{-500.0, 500.0}}),
           self.db_min);
     visit(internal::Level({.key = "db_max",
                            .meaning = "Level shown as full scale, above `db_min`",
                            .label = "Level shown as full scale",
                            .required = true,
-                           .paper_fit = FitLimits{-500.0, 2000.0}}),
+                           .paper_fit = FitLimits{-500.0, 500.0}}),
           self.db_max);
     visit(
         ParameterInfo{

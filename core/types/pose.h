@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace sonarcal {
 
@@ -46,11 +47,17 @@ inline Eigen::Quaterniond RotationFromYawPitchRoll(double yaw_rad, double pitch_
          Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitY());
 }
 
-// Inverse of RotationFromYawPitchRoll: (yaw, pitch, roll), pitch within +-90 degrees.
+// Inverse of RotationFromYawPitchRoll: (yaw, pitch, roll), pitch within +-90 degrees. At +-90 degrees many
+// pairs of yaw and roll give the same rotation: roll is then 0.
 inline Eigen::Vector3d YawPitchRollFromRotation(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d r = rotation.toRotationMatrix();
   // R = Rz(yaw) Rx(pitch) Ry(roll) has the third row (-cos p sin r, sin p, cos p cos r) and the second column
   // (-sin y cos p, cos y cos p, sin p).
+  constexpr double kMinCosine = 1e-6;  // of pitch; below it, rounding hides yaw and roll
+  if (std::hypot(r(0, 1), r(1, 1)) < kMinCosine) {
+    // For roll 0 the first column is (cos y, sin y, 0).
+    return {std::atan2(r(1, 0), r(0, 0)), std::copysign(0.5 * std::numbers::pi, r(2, 1)), 0.0};
+  }
   return {std::atan2(-r(0, 1), r(1, 1)), std::asin(std::clamp(r(2, 1), -1.0, 1.0)),
           std::atan2(-r(2, 0), r(2, 2))};
 }

@@ -9,6 +9,23 @@ bool IsContinuation(char c) {
   return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
 }
 
+// True if the byte may follow the lead byte: excludes characters written with more bytes than they need,
+// surrogates, and values above U+10FFFF (The Unicode Standard, table 3-7).
+bool IsSecond(unsigned char lead, unsigned char second) {
+  switch (lead) {
+    case 0xE0:
+      return second >= 0xA0;
+    case 0xED:
+      return second <= 0x9F;
+    case 0xF0:
+      return second >= 0x90;
+    case 0xF4:
+      return second <= 0x8F;
+    default:
+      return true;
+  }
+}
+
 // Length in bytes of the UTF-8 character at the start of `text`, or 0 if there is none.
 std::size_t CharacterLength(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
@@ -19,6 +36,7 @@ std::size_t CharacterLength(std::string_view text) {
                              : lead < 0xF5 ? 4
                                            : 0;
   if (length == 0 || length > text.size()) return 0;
+  if (length > 1 && !IsSecond(lead, static_cast<unsigned char>(text[1]))) return 0;
   const std::string_view tail = text.substr(1, length - 1);
   return std::all_of(tail.begin(), tail.end(), IsContinuation) ? length : 0;
 }

@@ -163,6 +163,7 @@ std::vector<Scatterer> PointTargetEchoes(const CoherentGeometry& geometry, const
   for (std::size_t i = 0; i < geometry.point_targets.size(); ++i) {
     const PointTarget& target = geometry.point_targets[i];
     const Eigen::Vector3d at = world_from_sonar.Inverse() * target.position_m;
+    if (!(at.y() > 0.0)) continue;  // its sine of azimuth is that of a place in front
     const double range_m = at.norm();
     const double level_db = parameters.source_level_db + parameters.receiver.gain_db -
                             2.0 * TransmissionLossDb(range_m, geometry.absorption_db_per_m);

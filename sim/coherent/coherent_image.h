@@ -32,7 +32,8 @@
 //
 //   10^((SL + G - 40 log10 R - 2 alpha R) / 10) sigma el(phi),   sigma the backscattering cross section
 //
-// Nothing hides them, and they hide nothing.
+// Nothing hides them, and they hide nothing. Targets that are not in front of the sonar (y > 0 in its frame)
+// give no echo.
 //
 // If the pings of a frame have their own poses, all of them receive the same scatterers, which stay where
 // they are in the world. Range, direction, incidence and phase are those at the pose of the ping, so speckle

@@ -17,16 +17,20 @@
 namespace sonarcal::sim {
 namespace {
 
-// Main lobe of a response: from its peak to where it first stops falling on either side. All other weights
-// are set to 0, so the window keeps its length.
+// Main lobe of a response: from its peak, which several equal weights may share, to where it first stops
+// falling on either side. All other weights are set to 0, so the window keeps its length.
 ResponseWindow MainLobe(ResponseWindow window) {
   std::vector<double>& weight = window.weight;
   const auto peak = std::max_element(weight.begin(), weight.end());
+  if (peak == weight.end()) return window;
+  const auto goes_on = [top = *peak](double from, double to) {
+    return to < from || (from == top && to == top);
+  };
   auto right = peak;
-  while (right != weight.end() && right + 1 != weight.end() && *(right + 1) < *right) ++right;
-  if (right != weight.end()) std::fill(right + 1, weight.end(), 0.0);
+  while (right + 1 != weight.end() && goes_on(*right, *(right + 1))) ++right;
+  std::fill(right + 1, weight.end(), 0.0);
   auto left = peak;
-  while (left != weight.begin() && *(left - 1) < *left) --left;
+  while (left != weight.begin() && goes_on(*left, *(left - 1))) --left;
   std::fill(weight.begin(), left, 0.0);
   return window;
 }

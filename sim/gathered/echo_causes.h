@@ -7,8 +7,9 @@
 //   ghost           multipath echoes by one mirror, on one leg or both; or by several mirrors
 //   noise           noise floor of the receiver
 //
-// A main lobe ends where the response first stops falling away from its peak. Multipath echoes are counted as
-// a whole, through whichever lobe they arrive.
+// A main lobe ends where the response first stops falling away from its peak. Columns of equal response share
+// the peak, such as those on both sides of a beam's centre. Multipath echoes are counted as a whole, through
+// whichever lobe they arrive.
 #pragma once
 
 #include <string>

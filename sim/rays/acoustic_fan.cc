@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/physics/beam_and_pulse.h"
 
@@ -26,6 +27,10 @@ constexpr int kMaxColumnsPerBeam = 8;
 RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters) {
   const ParameterSet complete = WithResponse(sonar, parameters);
   const BeamParameters& beam = complete.beam;
+  if (beam.elevation_pattern == ElevationPattern::kGaussian && !(beam.elevation_width_deg > 0.0)) {
+    throw DataError("{}: elevation beam width unknown; give it in the sonar or as beam.elevation_width_deg",
+                    sonar.name);
+  }
   const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
   const double width_deg = std::max(beam.azimuth_width_deg, 1e-3);
   const int per_beam = std::clamp(static_cast<int>(std::ceil(kColumnsPerWidth * spacing_deg / width_deg)),

@@ -15,7 +15,8 @@
 
 namespace sonarcal::sim {
 
-// Throws DataError if neither the parameters nor the sonar give the beam width.
+// Throws DataError if neither the parameters nor the sonar give the beam width in azimuth, or in elevation
+// for ElevationPattern::kGaussian.
 RayFanOptions AcousticFanOptions(const SonarModel& sonar, const ParameterSet& parameters);
 
 }  // namespace sonarcal::sim

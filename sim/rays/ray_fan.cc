@@ -12,6 +12,13 @@ namespace sonarcal::sim {
 namespace {
 
 constexpr double kWidestPinholeDeg = 85.0;
+constexpr double kMaxRays = 200e6;
+
+// Throws DataError if a fan has too many rays. The number of columns is a double, because a margin may add
+// more of them than an integer holds.
+void CheckRayCount(double cols, int rows) {
+  if (cols * rows > kMaxRays) throw DataError("rays: {} x {} is more than 200 million", cols, rows);
+}
 
 // One value in -1/2 .. 1/2 for each of `count`, by golden sections: any run of neighbours is spread evenly.
 std::vector<double> GoldenSections(int count) {
@@ -28,9 +35,7 @@ std::vector<double> GoldenSections(int count) {
 void RayFanOptions::Check() const {
   if (cols < 1 || cols > kMaxCols) throw DataError("rays: {} columns, expected 1 .. {}", cols, kMaxCols);
   if (rows < 1 || rows > kMaxRows) throw DataError("rays: {} rows, expected 1 .. {}", rows, kMaxRows);
-  if (static_cast<long>(cols) * rows > 200'000'000) {
-    throw DataError("rays: {} x {} is more than 200 million", cols, rows);
-  }
+  CheckRayCount(cols, rows);
   if (!(elevation_span_deg >= 0.0 && elevation_span_deg <= 180.0)) {
     throw DataError("rays: elevation span {} degrees, expected 0 (the sonar's own) .. 180",
                     elevation_span_deg);
@@ -83,14 +88,20 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
   } else {
     cols_per_beam_ = (options.cols + beams - 1) / beams;
     // Columns of the margin are as wide as the nearest column within the beams.
+    const double left_width = (beam_edges_rad_[1] - beam_edges_rad_[0]) / cols_per_beam_;
+    const double right_width = (beam_edges_rad_[beams] - beam_edges_rad_[beams - 1]) / cols_per_beam_;
+    const auto margin_cols = [&](double width) { return std::ceil(margin_rad / width - 1e-9); };
+    CheckRayCount(
+        margin_cols(left_width) + static_cast<double>(cols_per_beam_) * beams + margin_cols(right_width),
+        rows_);
     const auto add_margin = [&](double edge_rad, double width, bool left) {
-      const int count = static_cast<int>(std::ceil(margin_rad / width - 1e-9));
+      const int count = static_cast<int>(margin_cols(width));
       for (int i = 0; i < count; ++i) {
         azimuth_rad_.push_back(left ? edge_rad - (count - i - 0.5) * width : edge_rad + (i + 0.5) * width);
         column_width_rad_.push_back(width);
       }
     };
-    add_margin(beam_edges_rad_[0], (beam_edges_rad_[1] - beam_edges_rad_[0]) / cols_per_beam_, true);
+    add_margin(beam_edges_rad_[0], left_width, true);
     for (int beam = 0; beam < beams; ++beam) {
       const double width = (beam_edges_rad_[beam + 1] - beam_edges_rad_[beam]) / cols_per_beam_;
       for (int i = 0; i < cols_per_beam_; ++i) {
@@ -98,8 +109,7 @@ RayFan::RayFan(const SonarModel& sonar, const RayFanOptions& options)
         column_width_rad_.push_back(width);
       }
     }
-    add_margin(beam_edges_rad_[beams], (beam_edges_rad_[beams] - beam_edges_rad_[beams - 1]) / cols_per_beam_,
-               false);
+    add_margin(beam_edges_rad_[beams], right_width, false);
     cols_ = static_cast<int>(azimuth_rad_.size());
     const double even = 1.0 / options.row_crowding;
     const auto edge_rad = [&](int row) {

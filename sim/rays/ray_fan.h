@@ -76,7 +76,7 @@ struct RayFanOptions {
 class RayFan {
  public:
   // Throws DataError if the fan cannot cover the sonar's field of view (a pinhole must stay within +-85
-  // degrees).
+  // degrees), or if it has more than 200 million rays, those of the margin included.
   RayFan(const SonarModel& sonar, const RayFanOptions& options);
 
   int rows() const { return rows_; }

@@ -60,6 +60,20 @@ TEST(DistributionTest, OnesThatShareNoLevelAreAtTheirLargestDistance) {
   EXPECT_NEAR(UpperTailAndersonDarling(low, high), 4.0 * std::numbers::ln2 - 2.0, 2e-3);
 }
 
+// At the first level (1 - 0)^2 / (1/2) times 1/2, then the integral of 1 - G over G.
+TEST(DistributionTest, UpperTailIsLargestBetweenOneLevelAndManyFineOnesAboveIt) {
+  constexpr int kFine = 4000;
+  Shares one(kFine + 1, 0.0), many(kFine + 1, 1.0 / kFine);
+  one[0] = 1.0;
+  many[0] = 0.0;
+  EXPECT_NEAR(UpperTailAndersonDarling(one, many), 1.5, 1e-3);
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_LT(UpperTailAndersonDarling(RandomShares(random, 2), RandomShares(random, 2)), 1.5);
+    EXPECT_LT(UpperTailAndersonDarling(RandomShares(random, 12), RandomShares(random, 12)), 1.5);
+  }
+}
+
 // The slow, obvious way: every pair of sorted pixels, and the pooled distribution pixel by pixel.
 TEST(DistributionTest, AgreeWithTheirDefinitionsOnPixels) {
   constexpr int kLevels = 32, kPixels = 500;

@@ -58,6 +58,18 @@ TEST(ParameterTable, LogarithmicParametersHavePositiveLimits) {
   });
 }
 
+// Limits in units of the sonar become values only with a sonar; parameter_catalog_test.cc checks them.
+TEST(ParameterTable, LimitsOfAFitLieWithinTheLimitsOfTheFile) {
+  VisitAll(ParameterSet(), [&](const ParameterInfo& info, const auto&) {
+    for (const auto& fit : {info.paper_fit, info.acoustic_fit}) {
+      if (!fit || fit->unit != LimitUnit::kValue) continue;
+      EXPECT_LT(fit->lower, fit->upper) << info.key;
+      EXPECT_GE(fit->lower, info.min) << info.key;
+      EXPECT_LE(fit->upper, info.max) << info.key;
+    }
+  });
+}
+
 TEST(ParameterTable, OnlyTheModelsThatUseAParameterFitIt) {
   VisitAll(ParameterSet(), [&](const ParameterInfo& info, const auto&) {
     EXPECT_TRUE(info.models.paper || !info.paper_fit) << info.key;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/types/image.h"
 #include "core/types/pose.h"
@@ -21,6 +22,30 @@ TEST(PoseTest, InverseUndoesThePose) {
 TEST(PoseTest, YawPitchAndRollOfARotationAreThoseItWasMadeOf) {
   const Eigen::Vector3d angles = YawPitchRollFromRotation(RotationFromYawPitchRoll(2.8, -1.2, 0.4));
   EXPECT_TRUE(angles.isApprox(Eigen::Vector3d(2.8, -1.2, 0.4), 1e-12)) << angles.transpose();
+}
+
+// Near +-90 degrees, the tolerance is that of the pitch, which is then rounded to +-90 degrees.
+TEST(PoseTest, AnglesOfARotationThatLooksStraightUpOrDownRebuildIt) {
+  for (const double sign : {-1.0, 1.0}) {
+    for (const double from_vertical_rad : {0.0, 1e-12, 1e-9, 9e-7, 1.1e-6, 1e-4}) {
+      const double pitch_rad = sign * (0.5 * std::numbers::pi - from_vertical_rad);
+      for (const double yaw_rad : {-2.9, -1.0, 0.0, 0.52, 1.6}) {
+        for (const double roll_rad : {-1.3, 0.0, 0.7, 3.0}) {
+          const Eigen::Quaterniond rotation = RotationFromYawPitchRoll(yaw_rad, pitch_rad, roll_rad);
+          const Eigen::Vector3d angles = YawPitchRollFromRotation(rotation);
+          const Eigen::Quaterniond rebuilt = RotationFromYawPitchRoll(angles[0], angles[1], angles[2]);
+          EXPECT_LT(rebuilt.angularDistance(rotation), 2e-6)
+              << pitch_rad << ' ' << yaw_rad << ' ' << roll_rad << ": " << angles.transpose();
+        }
+      }
+    }
+  }
+}
+
+TEST(PoseTest, YawOfASonarWithoutRollThatLooksStraightDownIsKept) {
+  const double down_rad = -0.5 * std::numbers::pi;
+  const Eigen::Vector3d angles = YawPitchRollFromRotation(RotationFromYawPitchRoll(0.52, down_rad, 0.0));
+  EXPECT_TRUE(angles.isApprox(Eigen::Vector3d(0.52, down_rad, 0.0), 1e-12)) << angles.transpose();
 }
 
 TEST(PoseTest, PositivePitchLooksUpAndPositiveYawLooksLeft) {

@@ -1,10 +1,12 @@
 // Expected images with shared tables against the image made step by step in double precision.
 #include "sim/acoustic/expected_frames.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "core/types/error.h"
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
@@ -68,6 +70,45 @@ TEST_P(ExpectedFrame, HasTheParametersOfItsCall) {
   for (const ParameterSet& parameters : {Parameters(), bright, narrow, Parameters(), Parameters()})
     EXPECT_EQ(simulator.Render(pose_, parameters).value, rendered(parameters));
   EXPECT_NE(rendered(Parameters()), rendered(bright));
+}
+
+// Otherwise infinite factors times pixels without echoes would be no numbers.
+TEST(EchoLevel, LevelsBeyondSinglePrecisionAreRefusedByTheModelsOfPower) {
+  SimulationOptions options;
+  options.fan = {.sampling = Sampling::kBeams, .cols = 512, .rows = 20};
+  const Simulator simulator(MakeMockupTank(), FindSonarPreset("p900-45").sonar, options);
+  const Pose pose = MockupTankPoses(3)[1];
+  const EchoList echoes = simulator.TraceEchoes(pose);
+  const std::vector<PingPose> pings = {PingOfAllBeams(simulator.sonar().axes.beam_count())};
+  const auto refused = ::testing::ThrowsMessage<DataError>(
+      ::testing::HasSubstr("the highest beam.sensitivity_db add up to 419.5 dB, expected at most 350 dB"));
+  ParameterSet loud = Parameters();
+  loud.source_level_db = 250.0;
+  loud.receiver.gain_db = 150.0;
+  loud.display = {.db_min = 260.0, .db_max = 360.0};
+  for (const EchoModel model : {EchoModel::kAcoustic, EchoModel::kCoherent}) {
+    loud.model = model;
+    EXPECT_THAT([&] { simulator.Render(pose, loud); }, refused);
+    EXPECT_THAT([&] { simulator.RenderPings(pose, pings, loud); }, refused);
+    EXPECT_THAT([&] { simulator.RenderExpected(echoes, loud); }, refused);
+  }
+  loud.model = EchoModel::kAcoustic;
+  EXPECT_THAT([&] { simulator.RenderEchoes(echoes, loud); }, refused);
+  loud.receiver.gain_db = 80.0;
+  for (const float value : simulator.Render(pose, loud).value.values()) {
+    ASSERT_GE(value, 0.0F);
+    ASSERT_LE(value, kFullScale);
+  }
+}
+
+TEST(EchoLevel, ThePaperModelHasNoPowersThatOverflow) {
+  SimulationOptions options;
+  options.fan = {.sampling = Sampling::kBeams, .cols = 512, .rows = 20};
+  const Simulator simulator(MakeMockupTank(), FindSonarPreset("p900-45").sonar, options);
+  ParameterSet loud = Parameters();
+  loud.model = EchoModel::kPaper;
+  loud.source_level_db = 450.0;
+  EXPECT_NO_THROW(simulator.Render(MockupTankPoses(3)[1], loud));
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -221,6 +221,18 @@ TEST_F(CoherentImage, SensitivityScalesTheEchoesOfABeam) {
   }
 }
 
+TEST_F(CoherentImage, PointTargetsGiveEchoesInFrontOfTheSonarOnly) {
+  const auto draw = [&](const Eigen::Vector3d& in_sonar_m) {
+    CoherentGeometry geometry{caster_, fan_, sonar_, kAlphaDbPerM};
+    geometry.point_targets.push_back({.position_m = pose_ * in_sonar_m, .cross_section_m2 = 1.0});
+    return CoherentPower(geometry, pose_, parameters_, {1, 2}).value;
+  };
+  const Grid<float> without = Draw(1, 2);
+  EXPECT_NE(draw({0.3, 3.2, 0.1}), without);
+  EXPECT_EQ(draw({0.3, -3.2, 0.1}), without) << "behind";
+  EXPECT_EQ(draw({0.0, -1e-6, 3.2}), without) << "above";
+}
+
 TEST_F(CoherentImage, SameSeedsSameImageOnAnyNumberOfThreads) {
   const Grid<float> one = WithThreads(1, [&] { return Draw(4, 5); });
   EXPECT_EQ(WithThreads(2, [&] { return Draw(4, 5); }), one);
@@ -298,6 +310,24 @@ TEST_F(CoherentImage, FrozenSpeckleIsFrozen) {
     std::sort(changes.begin(), changes.end());
     EXPECT_LE(changes[changes.size() / 2], 3.0F);
   }
+}
+
+// The array forms the beams of every sample, whatever pattern the parameters name.
+TEST_F(CoherentImage, ExpectedImageIsThatOfAnArrayForEachAzimuthPattern) {
+  SimulationOptions options;
+  options.fan = Fan(3 * kBeams, 80);
+  const Simulator simulator(TestScene(), sonar_, options);
+  const EchoList echoes = simulator.TraceEchoes(pose_);
+  const Grid<float> aperture = simulator.RenderExpected(echoes, parameters_).value;
+  ParameterSet other = parameters_;
+  other.beam.azimuth_pattern = AzimuthPattern::kGaussian;
+  EXPECT_EQ(simulator.RenderExpected(echoes, other).value, aperture);
+  other.model = EchoModel::kAcoustic;
+  EXPECT_NE(simulator.RenderExpected(echoes, other).value, aperture);
+  other.model = EchoModel::kCoherent;
+  other.beam.azimuth_pattern = AzimuthPattern::kTable;
+  other.beam.azimuth_table_db = {-30.0, 0.0, -30.0};
+  EXPECT_EQ(simulator.RenderExpected(echoes, other).value, aperture);
 }
 
 // The paper model has no beams that reach into a margin, and no coherent image comes from echoes.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/math/random.h"
@@ -252,6 +253,32 @@ TEST(SpeckleTest, TableFollowsTheMeanAtEveryLevel) {
     for (double level_db = -190.0; level_db < 190.0; level_db += 3.37)
       EXPECT_NEAR(table(PowerFromDb(level_db)), mean(1.4, PowerFromDb(level_db)), 2e-5) << level_db;
     EXPECT_NEAR(table(0.0), std::clamp(DisplayValue(display, 0.0), 0.0, 1.0), 1e-6);
+  }
+}
+
+// Softened at the lowest displayed level or above it, power shows far below that level.
+TEST(SpeckleTest, TableFollowsTheMeanOfSoftDisplaysDownToBlack) {
+  for (const DisplayLaw law : {DisplayLaw::kSoftLog, DisplayLaw::kSoftAmplitude}) {
+    for (const double soft_above_db : {-0.1, 0.0, 2.33, 200.0}) {
+      for (const double span_db : {20.0, 60.0}) {
+        const DisplayParameters<double> display{
+            .db_min = 30.0, .db_max = 30.0 + span_db, .law = law, .soft_db = 30.0 + soft_above_db};
+        const MeanDisplayTable table(display, 1.4);
+        const MeanRule mean(display);
+        for (double level_db = -120.0; level_db < 170.0; level_db += 3.37)
+          EXPECT_NEAR(table(PowerFromDb(level_db)), mean(1.4, PowerFromDb(level_db)), 2e-5)
+              << soft_above_db << ' ' << level_db;
+        EXPECT_NEAR(table(0.0), std::clamp(DisplayValue(display, 0.0), 0.0, 1.0), 2e-6) << soft_above_db;
+      }
+    }
+  }
+}
+
+TEST(SpeckleTest, TableShowsInfinitePowerAsFullScale) {
+  for (const DisplayParameters<double>& display : kDisplays) {
+    const MeanDisplayTable table(display, 1.4);
+    EXPECT_EQ(table(std::numeric_limits<double>::infinity()), table(1e300));
+    EXPECT_NEAR(table(1e300), 1.0, 1e-4);
   }
 }
 

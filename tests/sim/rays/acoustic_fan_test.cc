@@ -1,10 +1,12 @@
 // What staggered rays are for: an expected image that changes evenly as the sonar moves.
 #include "sim/rays/acoustic_fan.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/rays/ray_caster.h"
@@ -16,6 +18,8 @@ namespace sonarcal::sim {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 constexpr double kPlateM = 3.0;  // distance, straight ahead
 
@@ -68,6 +72,19 @@ TEST(AcousticFan, DefaultFanStaggersColumnsAndRows) {
   const RayFanOptions options = AcousticFanOptions(Sonar(), Parameters());
   EXPECT_TRUE(options.stagger);
   EXPECT_TRUE(options.stagger_rows);
+}
+
+// A Gaussian beam ends the fan, so its width must be known; beams with side lobes see the floor below anyhow.
+TEST(AcousticFan, AnUnknownElevationWidthIsRefusedIfItEndsTheFan) {
+  SonarModel sonar = Sonar();
+  sonar.elevation_beam_width_deg = 0.0;
+  ParameterSet parameters = Parameters();
+  EXPECT_THAT([&] { AcousticFanOptions(sonar, parameters); },
+              ThrowsMessage<DataError>(HasSubstr("test sonar: elevation beam width unknown")));
+  parameters.beam.elevation_width_deg = 12.0;
+  EXPECT_EQ(AcousticFanOptions(sonar, parameters).elevation_span_deg, 48.0);
+  parameters.beam = {};
+  EXPECT_EQ(AcousticFanOptions(sonar, parameters).elevation_span_deg, 176.0);
 }
 
 // Turning to the side takes an upright edge through the columns, pitching a level one through the rows. An

@@ -384,6 +384,22 @@ void ExpectRefused(const Make& make, const std::string& words) {
   EXPECT_THAT(make, ThrowsMessage<DataError>(HasSubstr(words)));
 }
 
+// The limit holds for the rays that are cast, which are more than those asked for.
+TEST(RayFanRefusals, ColumnsOfTheMarginCountAmongTheRays) {
+  const auto with = [](int cols, int rows, double margin_deg) {
+    return [=] {
+      RayFanOptions options = Options(Sampling::kBeams, cols, rows);
+      options.azimuth_margin_deg = margin_deg;
+      RayFan(EvenSonar(4, 2.0), options);
+    };
+  };
+  // 10000 columns over 8 degrees, 75000 more on either side.
+  ExpectRefused(with(10'000, 20'000, 60.0), "rays: 160000 x 20000 is more than 200 million");
+  ExpectRefused(with(10'000, 1'251, 60.0), "rays: 160000 x 1251 is more than 200 million");
+  // Four beams of 16667 columns each.
+  ExpectRefused(with(66'665, 3'000, 0.0), "rays: 66668 x 3000 is more than 200 million");
+}
+
 TEST(RayFanRefusals, OptionsOutsideTheirLimitsAreRefusedByName) {
   const SonarModel sonar = UnevenSonar();
   const auto with = [&](int cols, int rows, double span_deg) {
