@@ -132,6 +132,8 @@ class AcousticFitter {
   AcousticFit Run() {
     const auto began = std::chrono::steady_clock::now();
     ShareRepeats();
+    cost_initial_ = CostAt(*model_, fit_.values, model_->frame_count()) +
+                    CostOfPriors(catalog_, FreeEntries(), fit_.values);
     FitRadiometryFirst();
     ScanWidths();
     RefinePosesWithRadiometry();
@@ -210,6 +212,14 @@ class AcousticFitter {
     return few.rows < all.rows || few.cols < all.cols;
   }
 
+  // In the order of the catalog.
+  std::vector<int> FreeEntries() const {
+    std::vector<int> entries = geometric_;
+    entries.insert(entries.end(), radiometric_.begin(), radiometric_.end());
+    std::ranges::sort(entries);
+    return entries;
+  }
+
   void TakeAllRays() {
     if (&model_->simulator() == &simulator_) return;
     model_->DropEchoes();
@@ -262,7 +272,6 @@ class AcousticFitter {
   void FitRadiometryFirst() {
     if (radiometric_.empty() && !geometric_.empty()) return;
     if (options_.near_start && poses_.empty() && !geometric_.empty()) return;  // rounds begin with it
-    cost_initial_ = CostAt(*model_, fit_.values, model_->frame_count());
     FitOptions start = options_;
     start.rough = !geometric_.empty();
     start.test_others = options_.test_others && !options_.down_weight;
@@ -354,9 +363,7 @@ class AcousticFitter {
   // Fits poses together with the parameters that are correlated with them. Each step is traced.
   void FitJointly(int steps) {
     if (!fit_.usable) return;
-    std::vector<int> active = geometric_;
-    active.insert(active.end(), radiometric_.begin(), radiometric_.end());
-    std::sort(active.begin(), active.end());
+    const std::vector<int> active = FreeEntries();
     const sim::RayFanOptions& fan = model_->simulator().options().fan;
     ParameterValues values = fit_.values;
     settled_ = TakeJointSteps(*model_, catalog_, active,
@@ -518,7 +525,7 @@ class AcousticFitter {
     }
     report.ambiguities = GeometryAmbiguities(report, model_->distinct_poses());
     if (!start_costs_.empty()) report.start_costs = start_costs_;
-    if (cost_initial_) report.cost_initial = *cost_initial_;
+    report.cost_initial = cost_initial_;
     report.iterations = iterations_;
     if (!settled_) {
       report.termination += fmt::format("; beam, pulse or poses still moved after {} rounds of tracing",
@@ -564,7 +571,7 @@ class AcousticFitter {
   ModelFit fit_;
   std::optional<std::vector<OtherPose>> other_poses_;  // of the present poses, if they were searched
   std::vector<double> start_costs_;
-  std::optional<double> cost_initial_;
+  double cost_initial_ = 0.0;
   int iterations_ = 0;
   bool settled_ = true;
 };
@@ -585,13 +592,22 @@ ParameterSet WithNoiseStart(ParameterSet parameters, const std::vector<AcousticF
   constexpr double kDarkest = 0.2;
   std::vector<double> powers;
   for (const AcousticFrame& frame : frames) {
-    for (const RecordedPower& recorded : frame.recorded) powers.push_back(recorded.power);
+    for (std::size_t pixel = 0; pixel < frame.recorded.size(); ++pixel) {
+      if (frame.use.empty() || frame.use[pixel] != 0) powers.push_back(frame.recorded[pixel].power);
+    }
   }
-  if (powers.empty()) throw DataError("fit: no pixels");
-  const auto rank = static_cast<std::size_t>(kDarkest * static_cast<double>(powers.size()));
+  // A soft display shows some pixels without any power. Their power is unknown, but lower than all others.
+  const auto dark = static_cast<std::size_t>(std::ranges::count(powers, 0.0));
+  if (dark == powers.size()) {
+    throw DataError(
+        "fit: {} used pixels without power above the bottom of the display, expected one with power", dark);
+  }
+  const auto count = static_cast<double>(powers.size());
+  const double share = std::max(kDarkest, static_cast<double>(dark) / count);
+  const std::size_t rank = std::max(static_cast<std::size_t>(kDarkest * count), dark);
   // If all of them were noise, the darkest fifth of exponential power would end at -ln(0.8) of its mean. With
   // more looks it would end closer to the mean.
-  const double of_mean = parameters.receiver.looks > 2.0 ? 1.0 : -std::log1p(-kDarkest);
+  const double of_mean = parameters.receiver.looks > 2.0 ? 1.0 : -std::log1p(-share);
   parameters.receiver.noise_db = DbFromPower(RankedValue(std::move(powers), rank) / of_mean);
   return parameters;
 }

@@ -35,8 +35,9 @@ namespace sonarcal::calib {
 std::vector<std::string> AcousticFreeByDefault(const ParameterSet& initial,
                                                const std::vector<std::string>& material_names);
 
-// Returns the parameters with a start value of the noise level, from the darkest fifth of the recorded
-// pixels, if they have none.
+// Returns the parameters with a start value of the noise level, from the darkest fifth of the used pixels, if
+// they have none. If a soft display shows more of them without any power, the darkest pixel with power gives
+// it. Throws DataError if there is none.
 ParameterSet WithNoiseStart(ParameterSet parameters, const std::vector<AcousticFrame>& frames);
 
 struct AcousticFit {

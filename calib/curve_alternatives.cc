@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "calib/fit_starts.h"
 #include "calib/models/one_curve_model.h"
@@ -72,6 +73,29 @@ struct Optimum {
   ParameterValues values;
 };
 
+// An optimum of one material's curve. The costs of two materials are those of different pixels, so only their
+// falls can be compared.
+struct BetterOptimum {
+  int material = 0;
+  double fall = 0.0;  // of the cost, from the tested point
+  ParameterValues values;
+};
+
+// The optima whose cost falls most, without those that another one of the same material equals.
+std::vector<ParameterValues> BestOf(std::vector<BetterOptimum> better) {
+  std::ranges::sort(better, std::ranges::greater(), &BetterOptimum::fall);
+  std::vector<BetterOptimum> best;
+  for (BetterOptimum& optimum : better) {
+    const bool is_known = std::ranges::any_of(best, [&](const BetterOptimum& known) {
+      return known.material == optimum.material && known.fall - optimum.fall < kBetterCurveNats;
+    });
+    if (!is_known && best.size() < kMaxBetter) best.push_back(std::move(optimum));
+  }
+  std::vector<ParameterValues> values;
+  for (BetterOptimum& optimum : best) values.push_back(std::move(optimum.values));
+  return values;
+}
+
 // The free entries of one material's curve.
 struct MaterialEntries {
   int material = 0;
@@ -95,7 +119,7 @@ class Search {
   }
 
   CurveAlternatives Run(const std::vector<std::string>& material_names) {
-    std::vector<Optimum> better;
+    std::vector<BetterOptimum> better;
     for (const MaterialEntries& material : Materials()) {
       if (material.inside.empty()) continue;
       const std::unique_ptr<OneCurveModel> of_curve = whole_.OfCurve(material.material, point_.values);
@@ -109,15 +133,12 @@ class Search {
       const Eigen::MatrixXd information = Information(material, base->values);
       if (!(information.diagonal().minCoeff() > 0.0)) continue;
       std::vector<bool> open(catalog_.size(), false);
-      if (MayBePlateau(material) && LiesLower(*base)) better.push_back(*base);
+      if (MayBePlateau(material) && LiesLower(*base)) better.push_back(Better(material, *base));
       TryExchanges(material, *base, DesignEffect(material, information), open, better);
       TryProfiles(material, *base, information, open);
       Report(material, material_names[material.material], open);
     }
-    std::sort(better.begin(), better.end(),
-              [](const Optimum& x, const Optimum& y) { return x.cost < y.cost; });
-    better.resize(std::min(better.size(), kMaxBetter));
-    for (Optimum& optimum : better) result_.better.push_back(std::move(optimum.values));
+    result_.better = BestOf(std::move(better));
     return std::move(result_);
   }
 
@@ -157,6 +178,12 @@ class Search {
   // With priors.
   double CostOf(const ParameterValues& values) const {
     return CostAt(*model_, values, model_->frame_count()) + CostOfPriors(catalog_, point_.free, values);
+  }
+
+  BetterOptimum Better(const MaterialEntries& material, const Optimum& optimum) const {
+    return {.material = material.material,
+            .fall = CostOf(point_.values) - optimum.cost,
+            .values = optimum.values};
   }
 
   std::vector<bool> Flags(const std::vector<int>& entries) const {
@@ -213,7 +240,7 @@ class Search {
   }
 
   void TryExchanges(const MaterialEntries& material, const Optimum& base, double design_effect,
-                    std::vector<bool>& open, std::vector<Optimum>& better) const {
+                    std::vector<bool>& open, std::vector<BetterOptimum>& better) const {
     if (material.free.size() < 2) return;
     Curve curve{};
     std::copy_n(point_.values.begin() + material.first, kMembers, curve.begin());
@@ -230,7 +257,7 @@ class Search {
                              catalog_[entry].CoordinateFromValue(base.values[entry]);
         if (std::abs(moved) > kSameSigmas * Sigma(k)) open[entry] = true;
       }
-      if (other->cost < base.cost - kBetterCurveNats) better.push_back(std::move(*other));
+      if (other->cost < base.cost - kBetterCurveNats) better.push_back(Better(material, *other));
     }
   }
 

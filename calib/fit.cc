@@ -60,13 +60,13 @@ class Fitter {
 
   ModelFit Run() {
     FreezeUnseen();
+    if (!options_.rough) report_.cost_initial = CostOfStart();
     const auto start = std::chrono::steady_clock::now();
     // A single start at the result of an earlier fit needs no trial.
     if (options_.rough || options_.starts > 1 || options_.search_level) SolveFromSeveralStarts();
     bool usable = !report_.start_costs.empty();
     report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (options_.rough) return {.values = state_.values, .report = std::move(report_), .usable = usable};
-    report_.cost_initial = CostAt(model_, initial_, model_.frame_count());
     // Each round except the last freezes at least one parameter, so the number of parameters limits the
     // rounds.
     for (std::size_t round = 0; round <= catalog_.size(); ++round) {
@@ -76,11 +76,7 @@ class Fitter {
         report_.termination = "the frames determine none of the free parameters";
         break;
       }
-      usable = SolveToEnd();
-      if (!usable) break;
-      // With priors the two orders differ in cost: the exchanged values are a start, not a result.
-      const bool exchanged = OrderGaussians(catalog_, Free(), state_.values);
-      if (exchanged && model_.IsLikelihood()) usable = SolveToEnd();
+      usable = SolveInOrder();
       if (!usable) break;
       if (model_.IsLikelihood()) {
         if (options_.standard_errors) FlagWhatPriorsDecide();
@@ -153,6 +149,13 @@ class Fitter {
     }
   }
 
+  // Cost at the values that the fit starts from, with priors as in `cost_final`.
+  double CostOfStart() {
+    Activate();
+    return CostAt(model_, state_.values, model_.frame_count()) +
+           CostOfPriors(catalog_, state_.active, state_.values);
+  }
+
   // Solves roughly from the given curves and from others, and continues from the best.
   void SolveFromSeveralStarts() {
     const ParameterValues given = state_.values;
@@ -220,6 +223,14 @@ class Fitter {
     return solve(options_.max_iterations);
   }
 
+  // Solves, and puts the Gaussians in order. With priors the two orders differ in cost: the exchanged values
+  // are a start, not a result.
+  bool SolveInOrder() {
+    if (!SolveToEnd()) return false;
+    const bool exchanged = OrderGaussians(catalog_, Free(), state_.values);
+    return !exchanged || !model_.IsLikelihood() || SolveToEnd();
+  }
+
   bool Solve(const FrameModel& model, const SolveLimits& limits) {
     Say(fmt::format("solving for {} parameters on {} frame{}", state_.active.size(), model_.frame_count(),
                     model_.frame_count() == 1 ? "" : "s"));
@@ -285,10 +296,7 @@ class Fitter {
     const std::string termination = report_.termination;
     for (const ParameterValues& start : starts) {
       state_.values = start;
-      if (SolveToEnd() && report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) {
-        OrderGaussians(catalog_, Free(), state_.values);
-        return true;
-      }
+      if (SolveInOrder() && report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) return true;
     }
     state_.values = values;
     report_.cost_final = cost;
@@ -387,10 +395,9 @@ class Fitter {
         report_.correlation_names.push_back(entry.name);
       }
       report_.correlation = CorrelationFromCovariance(covariance_);
-      Eigen::MatrixXd covariance = covariance_;
-      if (student_.size() > 0 && student_.allFinite())
-        covariance = student_.asDiagonal() * covariance_ * student_.asDiagonal();
-      report_.curves = FittedCurves(catalog_, model_.material_names(), state_.values, interior_, covariance);
+      report_.curves =
+          FittedCurves(catalog_, model_.material_names(), state_.values, interior_,
+                       student_.size() > 0 ? WidenedCovariance(covariance_, student_) : covariance_);
     }
     for (std::size_t i = 0; i < catalog_.size(); ++i) {
       const CatalogEntry& entry = catalog_[i];

@@ -206,9 +206,18 @@ Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations) {
   return covariance;
 }
 
-Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
-  constexpr double kMin = 2.0;  // degrees of freedom
+double StudentFactor(double degrees_of_freedom) {
+  constexpr double kMin = 2.0;
   constexpr double z = 1.959964;
+  constexpr double z2 = z * z;
+  const double freedom = degrees_of_freedom;
+  if (!(freedom >= kMin)) return std::numeric_limits<double>::infinity();
+  // Expands the quantile of Student's law about the normal one (Abramowitz & Stegun 26.7.5).
+  return 1.0 + (z2 + 1.0) / (4.0 * freedom) + (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / (96.0 * freedom * freedom) +
+         (3.0 * z2 * z2 * z2 + 19.0 * z2 * z2 + 17.0 * z2 - 15.0) / (384.0 * std::pow(freedom, 3));
+}
+
+Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
   const Eigen::Index n = equations.information.rows();
   const Eigen::MatrixXd inverse = InverseWithPriors(equations).full();
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(n);
@@ -219,14 +228,13 @@ Eigen::VectorXd StudentFactors(const NormalEquations& equations) {
     sum += share;
     square += share.cwiseAbs2();
   }
-  // Expands the quantile of Student's law about the normal one (Abramowitz & Stegun 26.7.5).
-  return sum.cwiseAbs2().cwiseQuotient(square).unaryExpr([](double freedom) {
-    if (!(freedom >= kMin)) return std::numeric_limits<double>::infinity();
-    const double z2 = z * z;
-    return 1.0 + (z2 + 1.0) / (4.0 * freedom) +
-           (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / (96.0 * freedom * freedom) +
-           (3.0 * z2 * z2 * z2 + 19.0 * z2 * z2 + 17.0 * z2 - 15.0) / (384.0 * std::pow(freedom, 3));
-  });
+  return sum.cwiseAbs2().cwiseQuotient(square).unaryExpr(&StudentFactor);
+}
+
+Eigen::MatrixXd WidenedCovariance(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& factors) {
+  const Eigen::VectorXd finite =
+      factors.unaryExpr([](double factor) { return std::isfinite(factor) ? factor : 1.0; });
+  return finite.asDiagonal() * covariance * finite.asDiagonal();
 }
 
 std::vector<std::string> OpenDirections(const Eigen::MatrixXd& covariance,

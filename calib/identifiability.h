@@ -58,11 +58,18 @@ std::optional<OpenDirection> LeastDetermined(const NormalEquations& equations,
 // (J^T J + P)^-1 s.
 Eigen::MatrixXd JackknifeCovariance(const NormalEquations& equations);
 
-// Factor by which a 95 % interval is wider than 1.96 standard errors if the covariance above is a sum over
-// few blocks. Uses Student's law; its degrees of freedom are those of the blocks that determine the parameter
-// (Satterthwaite; Bell & McCaffrey, Survey Methodology 28(2), 2002). 1 for many blocks; not finite below two
-// degrees of freedom.
+// Factor by which a 95 % interval is wider than 1.96 standard errors if the standard error itself has few
+// degrees of freedom. Uses Student's law. 1 for many; not finite below two.
+double StudentFactor(double degrees_of_freedom);
+
+// StudentFactor of each parameter for the covariance above, which is a sum over blocks. Degrees of freedom
+// are those of the blocks that determine the parameter (Satterthwaite; Bell & McCaffrey, Survey Methodology
+// 28(2), 2002).
 Eigen::VectorXd StudentFactors(const NormalEquations& equations);
+
+// Returns the covariance for standard errors multiplied by these factors. A factor that is not finite counts
+// as 1: the data do not determine its parameter, and those of the others must not be lost.
+Eigen::MatrixXd WidenedCovariance(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& factors);
 
 // A coordinate with what its description needs.
 struct NamedCoordinate {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/types/parameter_table.h"
 #include "core/types/units.h"
 
 namespace sonarcal::calib {
@@ -35,8 +36,13 @@ ParameterSet WithMirrorStart(ParameterSet initial, const FitConfig& config,
   }
   BeamParameters& beam = initial.beam;
   if (beam.transmit_end_deg > 0.0 || !Names(config.free, kTransmitEnd)) return initial;
-  beam.transmit_even_deg = DegFromRad(sonar.axes.OuterEdgeRad());
-  beam.transmit_end_deg = beam.transmit_even_deg + kStartTransmitDeg;
+  const double edge_deg = DegFromRad(sonar.axes.OuterEdgeRad());
+  double max_deg = 0.0;
+  VisitParameters(beam, [&](const ParameterInfo& info, const auto&) {
+    if (info.key == "transmit_end_deg") max_deg = info.max;
+  });
+  beam.transmit_even_deg = std::min(edge_deg, max_deg);
+  beam.transmit_end_deg = std::min(edge_deg + kStartTransmitDeg, max_deg);
   return initial;
 }
 

@@ -15,7 +15,8 @@ namespace sonarcal::calib {
 inline constexpr double kStartLossDb = 10.0;
 
 // Start value of the angle beyond the outer beams up to which a transmitter sends, if it is free but not
-// given. The pressure is even over the beams and falls as a cosine beyond them.
+// given; at most the limit of params.json. The pressure is even over the beams and falls as a cosine beyond
+// them.
 inline constexpr double kStartTransmitDeg = 20.0;
 
 // Returns the mirror parameters that a fit frees by default: the losses of the mirrors in the scene, and

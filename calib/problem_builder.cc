@@ -363,16 +363,20 @@ std::optional<double> FitProblem::ExpectedFall(const std::vector<double>& coordi
 }
 
 BlockPixels BlockSize(const FrameModel& model, const FitOptions& options) {
+  return BlockSize(model.speckle_cell(), model.range_bins(), model.beams(), options);
+}
+
+BlockPixels BlockSize(const FrameModel::SpeckleCell& cell, int range_bins, int beams,
+                      const FitOptions& options) {
   constexpr double kWidths = 8.0;
   const auto along = [](int given, double width, int extent, int fewest) {
     const int wanted = static_cast<int>(std::ceil(kWidths * width - 1e-6));
     return std::max(given, std::min(wanted, extent / fewest));
   };
-  const FrameModel::SpeckleCell cell = model.speckle_cell();
-  BlockPixels block{.bins = along(options.block_bins, cell.bins, model.range_bins(), 4),
-                    .beams = along(options.block_beams, cell.beams, model.beams(), 2)};
-  block.variance_factor = 1.0 / ((1.0 - SharedAtEdges(cell.bins, block.bins, model.range_bins())) *
-                                 (1.0 - SharedAtEdges(cell.beams, block.beams, model.beams())));
+  BlockPixels block{.bins = along(options.block_bins, cell.bins, range_bins, 4),
+                    .beams = along(options.block_beams, cell.beams, beams, 2)};
+  block.variance_factor = 1.0 / ((1.0 - SharedAtEdges(cell.bins, block.bins, range_bins)) *
+                                 (1.0 - SharedAtEdges(cell.beams, block.beams, beams)));
   return block;
 }
 

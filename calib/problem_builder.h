@@ -77,6 +77,8 @@ struct BlockPixels {
   double variance_factor = 1.0;
 };
 BlockPixels BlockSize(const FrameModel& model, const FitOptions& options);
+BlockPixels BlockSize(const FrameModel::SpeckleCell& cell, int range_bins, int beams,
+                      const FitOptions& options);
 
 // Fraction of the variance of a sum over `extent` pixels in a row that blocks of `block` pixels miss if they
 // count as independent. Speckle of a Gaussian response of this half-power width (pixels) has the correlation

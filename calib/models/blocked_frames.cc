@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/types/units.h"
+#include "sim/physics/beam_and_pulse.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -40,6 +41,33 @@ AcousticFrame InBlocks(const AcousticFrame& fine, const PolarAxes& axes, const P
   return blocked;
 }
 
+// Integral of the response of a beam table, in units of its offsets.
+double EquivalentWidth(const std::vector<double>& table_db) {
+  const sim::AzimuthShape<double> shape{
+      .pattern = AzimuthPattern::kTable, .table_db = &table_db, .beam_spacing_rad = 1.0};
+  return sim::AzimuthEquivalentWidthRad(sim::AzimuthResponse<double>(shape), 0.0);
+}
+
+// Beam table by offsets in blocks: that of the beams, widened by a Gaussian of one block, so that no echo is
+// lost between two blocks. Its factor keeps the level of extended surfaces.
+std::vector<double> CoarseTable(const std::vector<double>& fine_db, int beams_at_once) {
+  const int reach = static_cast<int>(fine_db.size()) / 2;  // beams
+  const int blocks = (reach + beams_at_once - 1) / beams_at_once + 1;
+  std::vector<double> coarse_db;
+  for (int block = -blocks; block <= blocks; ++block) {
+    double power = 0.0;
+    for (int beam = -reach; beam <= reach; ++beam) {
+      const double off_blocks = static_cast<double>(beam) / beams_at_once - block;
+      power += sim::GaussianResponse(off_blocks, 1.0) * PowerFromDb(fine_db[beam + reach]);
+    }
+    coarse_db.push_back(DbFromPower(power));
+  }
+  const double factor_db =
+      DbFromPower(EquivalentWidth(fine_db) / (beams_at_once * EquivalentWidth(coarse_db)));
+  for (double& level_db : coarse_db) level_db += factor_db;
+  return coarse_db;
+}
+
 }  // namespace
 
 PixelBlock BlockOfHalfACell(const SonarModel& sonar, const ParameterSet& parameters) {
@@ -60,6 +88,10 @@ BlockedFrames InBlocks(const SonarModel& sonar, const ParameterSet& parameters,
   for (std::vector<double>* per_beam : {&receiver.noise_taper_db, &receiver.noise_after_gain_taper_db,
                                         &blocked.parameters.beam.sensitivity_db})
     *per_beam = CoarseTaper(*per_beam, block.beams);
+  if (parameters.beam.azimuth_pattern == AzimuthPattern::kTable && block.beams > 1) {
+    const sim::AzimuthShape<double> shape = sim::AzimuthShapeOf(sonar, parameters);  // checks the table
+    blocked.parameters.beam.azimuth_table_db = CoarseTable(*shape.table_db, block.beams);
+  }
   for (const AcousticFrame& frame : frames)
     blocked.frames.push_back(InBlocks(frame, sonar.axes, blocked.sonar.axes, block));
   return blocked;

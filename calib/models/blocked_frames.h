@@ -14,10 +14,11 @@ namespace sonarcal::calib {
 
 struct BlockedFrames {
   SonarModel sonar;
-  ParameterSet parameters;  // values per beam are means over blocks
+  ParameterSet parameters;  // values per beam are means over blocks; a beam table counts in blocks
   std::vector<AcousticFrame> frames;
 };
 
+// Throws DataError if the table of the beam pattern is invalid.
 BlockedFrames InBlocks(const SonarModel& sonar, const ParameterSet& parameters,
                        const std::vector<AcousticFrame>& frames, const PixelBlock& block);
 

@@ -3,9 +3,10 @@
 // ray.
 //
 // Free parameters: both floors of types/parameters.h (ReceiverParameters), the slope with range, a taper for
-// each floor, soft_db if the display law has it, and ONE of looks and display span, because background alone
+// each floor, soft_db of the law kSoftLog, and ONE of looks and display span, because background alone
 // determines only one number for the two. If the recording states the span (or the exponent of a power law),
-// the looks are fitted. If not, the looks are fixed at 1 and the span is fitted.
+// the looks are fitted. If not, the looks are fixed at 1 and the span is fitted. A display that the caller
+// gives is kept whole, and the looks are fitted.
 //
 // Selection: the likelihood of held-out pings selects the display law, the time-varied gain and whether there
 // is a floor behind it, among candidates that converged. The table is kept. Display and speckle are tried
@@ -54,7 +55,7 @@ struct NoiseFitOptions {
   // Does not fit every second band, and evaluates only on these. For held-out pings that show the same frozen
   // speckle as the fitted ones. Always done for a single frame.
   bool hold_out_bands = false;
-  // If set, replaces the display of the recording and its candidates.
+  // If set, replaces the display of the recording and its candidates, and is not fitted.
   std::optional<DisplayParameters<double>> display;
   double absorption_db_per_m = 0.0;
   double taper_spread_db = 10.0;  // prior standard deviation of each beam's taper

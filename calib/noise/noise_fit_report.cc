@@ -204,7 +204,7 @@ FitReport NoiseReport(const NoiseSolution& solution, const NoiseLaw& start, cons
               kMaxLevelDb);
   builder.Add("display.db_max", "dB", layout.span_db, law.display.db_max, start.display.db_max,
               law.display.db_min + kLeastSpanDb, law.display.db_min + kMaxSpanDb);
-  if (layout.soft_db >= 0) {
+  if (law.display.law == DisplayLaw::kSoftLog || law.display.law == DisplayLaw::kSoftAmplitude) {
     builder.Add("display.soft_db", "dB", layout.soft_db, law.display.soft_db, start.display.soft_db,
                 -kMaxLevelDb, kMaxLevelDb);
   }

@@ -63,7 +63,7 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
                  double absorption_db_per_m) {
   NoiseLaw law{.display = form.display, .receiver = {}, .speckle = form.speckle};
   const double level_db = DbFromPower(RoughNoisePower(counts, cells, form.display));
-  if (form.display.law == DisplayLaw::kSoftLog && form.display.soft_db == 0.0) {
+  if (form.fit_soft_db) {
     // Starts below all recorded values, because nothing below the soft floor is ever shown.
     const double span_db = form.display.db_max - form.display.db_min;
     const double shown_db = (LeastLevelShown(counts) - 0.5) / cells.full_scale * span_db;
@@ -125,8 +125,10 @@ std::vector<NoiseForm> DisplayForms(const RecordingInfo& info, const NoiseFitOpt
   std::vector<NoiseForm> forms;
   for (const DisplayLaw law : {DisplayLaw::kLog, DisplayLaw::kSoftLog}) {
     display.law = law;
-    forms.push_back({.display = display, .fit_span = !span});
-    if (span) forms.push_back({.display = display, .speckle = sim::SpeckleLaw::kWeighted});
+    NoiseForm form{.display = display, .fit_span = !span, .fit_soft_db = law == DisplayLaw::kSoftLog};
+    forms.push_back(form);
+    form.speckle = sim::SpeckleLaw::kWeighted;
+    if (span) forms.push_back(form);
   }
   return forms;
 }

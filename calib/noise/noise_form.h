@@ -9,7 +9,8 @@ namespace sonarcal::calib {
 
 struct NoiseForm {
   DisplayParameters<double> display;
-  bool fit_span = false;  // false: the looks are fitted
+  bool fit_span = false;     // false: the looks are fitted
+  bool fit_soft_db = false;  // false: that of `display` is kept
   sim::SpeckleLaw speckle = sim::SpeckleLaw::kGamma;
   TimeVariedGain time_varied_gain = TimeVariedGain::kNone;
   bool floor_after_gain = true;

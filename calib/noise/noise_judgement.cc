@@ -27,10 +27,10 @@ void CheckLaw(const NoiseLaw& law, const RecordingInfo& info) {
         "{}: the noise law has no noise level, expected receiver.noise_db or receiver.noise_after_gain_db",
         info.source);
   }
-  const bool is_textured = law.speckle == sim::SpeckleLaw::kK || law.speckle == sim::SpeckleLaw::kKDiffuse;
-  if (is_textured && law.receiver.looks < sim::kLeastTexturedLooks) {
+  const double min_looks = MinNoiseLooks(law.speckle);
+  if (law.speckle != sim::SpeckleLaw::kGamma && law.receiver.looks < min_looks) {
     throw DataError("{}: the noise law has {} speckle and receiver.looks {}, expected at least {}",
-                    info.source, ToString(law.speckle), law.receiver.looks, sim::kLeastTexturedLooks);
+                    info.source, ToString(law.speckle), law.receiver.looks, min_looks);
   }
   const bool has_diffuse_share = law.receiver.diffuse_share > 0.0 && law.receiver.looks < 1.0;
   if (has_diffuse_share && law.speckle != sim::SpeckleLaw::kKDiffuse) {

@@ -306,8 +306,9 @@ void StillOptions::Check() const {
   if (!(looks > 0.0)) throw DataError("still frames: looks is {:g}, expected more than 0", looks);
   if (block_bins < 1 || block_beams < 1)
     throw DataError("still frames: blocks of {} x {} pixels, expected 1 at least", block_bins, block_beams);
-  if (!(brightest_db >= 10.0 && brightest_db <= 40.0))
-    throw DataError("still frames: brightest_db is {:g}, expected 10 .. 40", brightest_db);
+  if (!(brightest_db >= kMinBrightestDb && brightest_db <= 40.0)) {
+    throw DataError("still frames: brightest_db is {:g}, expected {:g} .. 40", brightest_db, kMinBrightestDb);
+  }
 }
 
 StillLevels SeparateSpeckleFromNoise(std::span<const PolarImage> images, std::span<const int> frame_numbers,

@@ -30,8 +30,12 @@ class GreyClasses {
   std::vector<double> power_;
 };
 
+// Least limit for the level of pixels above the noise. With thousands of frames or looks, the amplitude nodes
+// are farther apart to reach it.
+inline constexpr double kMinBrightestDb = 10.0;
+
 // Returns how far above the noise pixels may lie: `asked_db`, limited by the max number of nodes for this
-// number of frames.
+// number of frames, but at least kMinBrightestDb.
 double BrightestUsedDb(double looks, int frames, double asked_db);
 
 class StillLikelihood {

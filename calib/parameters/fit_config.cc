@@ -368,20 +368,21 @@ std::vector<int> Checked(std::vector<int> frames, int frame_count, const char* k
 }  // namespace
 
 FrameSplit SplitFrames(const FitConfig& config, int frame_count) {
-  FrameSplit split;
-  if (config.held_out) {
-    split.held_out = Checked(*config.held_out, frame_count, "held-out");
-  } else if (frame_count >= 2) {
-    for (int frame = frame_count - std::max(1, frame_count / 3); frame < frame_count; ++frame) {
-      split.held_out.push_back(frame);
-    }
-  }
   std::vector<int> candidates(static_cast<std::size_t>(frame_count));
   std::iota(candidates.begin(), candidates.end(), 0);
   if (config.used) candidates = Checked(*config.used, frame_count, "used");
+  FrameSplit split;
+  if (config.held_out) {
+    split.held_out = Checked(*config.held_out, frame_count, "held-out");
+  } else if (candidates.size() >= 2) {
+    const std::ptrdiff_t third = std::max<std::ptrdiff_t>(1, std::ssize(candidates) / 3);
+    split.held_out.assign(candidates.end() - third, candidates.end());
+  }
   std::ranges::set_difference(candidates, split.held_out, std::back_inserter(split.used));
-  if (split.used.empty())
-    throw DataError("fit: all {} frames are held out, none is left to fit", frame_count);
+  if (split.used.empty()) {
+    throw DataError("fit: all {} {}frames are held out, none is left to fit", candidates.size(),
+                    config.used ? "used " : "");
+  }
   return split;
 }
 

@@ -56,9 +56,9 @@ struct FitConfig {
   std::map<std::string, std::optional<std::pair<double, double>>> priors = {};  // nullopt: no prior
   PosePrior pose_prior = {};
   std::map<std::string, double> start = {};  // by name
-  // Held-out frames. Absent: the last third, at least one if there are two.
+  // Held-out frames. Absent: the last third of `used` or of all frames, at least one if there are two.
   std::optional<std::vector<int>> held_out = {};
-  std::optional<std::vector<int>> used = {};  // absent: all that are not held out
+  std::optional<std::vector<int>> used = {};  // fitted unless held out; absent: all frames
 
   bool operator==(const FitConfig&) const = default;
 };
@@ -116,7 +116,7 @@ struct FrameSplit {
   std::vector<int> held_out;
 };
 
-// Throws DataError if a held-out frame does not exist or if no frame is left to fit.
+// Throws DataError if a used or held-out frame does not exist or if no frame is left to fit.
 FrameSplit SplitFrames(const FitConfig& config, int frame_count);
 
 }  // namespace sonarcal::calib

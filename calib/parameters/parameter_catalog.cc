@@ -129,6 +129,10 @@ class CatalogBuilder {
     auto [limits, step] = InOwnUnit(*fit, info.step, sonar_);
     if (const double width = StatedWidth(place.name + std::string(info.key), sonar_); width > 0.0)
       limits = {width / kStatedFactor, width * kStatedFactor};
+    // The reader of params.json must not refuse what a fit finds.
+    limits.lower = std::max(limits.lower, info.min);
+    limits.upper = std::min(limits.upper, info.max);
+    if (!(limits.lower < limits.upper)) return false;  // transmission ends beyond beams of 89 degrees
     catalog_.push_back({.name = place.name + std::string(info.key),
                         .key = info.key,
                         .unit = std::string(info.unit),

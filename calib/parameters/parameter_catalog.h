@@ -112,9 +112,10 @@ double CostOfPriors(const std::vector<CatalogEntry>& catalog, const std::vector<
 // Returns every parameter of the paper's model for a scene with these materials.
 std::vector<CatalogEntry> BuildCatalog(const std::vector<std::string>& material_names);
 
-// Returns every parameter of the acoustic model that a fit may move. `frames`: their indices in the
-// recording. `mirrors`: 1 for materials that reflect, 0 for the others; empty: none reflects. `objects`:
-// names of the parts of the scene that may stand elsewhere. `outlines`: those whose shape may be another.
+// Returns every parameter of the acoustic model that a fit may move, with limits within those of params.json.
+// A parameter whose limits then leave no room is absent. `frames`: their indices in the recording. `mirrors`:
+// 1 for materials that reflect, 0 for the others; empty: none reflects. `objects`: names of the parts of the
+// scene that may stand elsewhere. `outlines`: those whose shape may be another.
 std::vector<CatalogEntry> BuildAcousticCatalog(const std::vector<std::string>& material_names,
                                                const SonarModel& sonar, const std::vector<int>& frames,
                                                const std::vector<char>& mirrors = {},

@@ -54,6 +54,7 @@ std::optional<OtherPose> Follow(const PoseProblem& problem, const AcousticFrameM
   if (worse_by < 0.0) {  // by all rays
     const PoseProblem exact(model, catalog, {}, 1, {frame}, entries, fitted.values);
     worse_by = exact.At(state.values).cost - exact.At(fitted.values).cost;
+    if (worse_by > kMaxWorseNats) return std::nullopt;
   }
   const PoseStep step = StepBetween(model.PoseOf(frame, fitted.values), model.PoseOf(frame, state.values));
   OtherPose other{.frame = frame,
@@ -87,7 +88,9 @@ std::optional<std::pair<double, double>> HeightsSeen(const AcousticFrameModel& m
 // Returns the values with the pose of a frame replaced; nullopt if its prior excludes that.
 std::optional<ParameterValues> WithPose(const Pose& pose, const std::vector<CatalogEntry>& catalog,
                                         const std::vector<int>& entries, const ParameterValues& values) {
-  const PoseStep named = NamedValues(pose);
+  PoseStep before;
+  for (const int entry : entries) before(catalog[entry].index) = values[entry];
+  const PoseStep named = NearestTurns(NamedValues(pose), before);
   ParameterValues with = values;
   double from_prior = 0.0;
   double was = 0.0;

@@ -19,6 +19,12 @@ constexpr double kSettledNats = 0.05;
 
 }  // namespace
 
+PoseStep NearestTurns(PoseStep named, const PoseStep& near) {
+  constexpr double kTurnDeg = 360.0;
+  for (int k = 3; k < kPoseSteps; ++k) named(k) += kTurnDeg * std::round((near(k) - named(k)) / kTurnDeg);
+  return named;
+}
+
 PoseProblem::PoseProblem(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                          const PoseSmoothing& smoothing, int decimation, std::vector<int> frames,
                          std::vector<int> entries, const ParameterValues& values)
@@ -175,7 +181,7 @@ ParameterValues PoseProblem::MovedEntries(const ParameterValues& values, const E
 ParameterValues PoseProblem::MovedSonar(const ParameterValues& values, const PoseStep& by) const {
   PoseStep named;
   for (const int entry : entries_) named(catalog_[entry].index) = values[entry];
-  named = NamedValues(MovePose(PoseFromNamedValues(named), by));
+  named = NearestTurns(NamedValues(MovePose(PoseFromNamedValues(named), by)), named);
   ParameterValues moved = values;
   for (const int entry : entries_) Set(entry, named(catalog_[entry].index), moved);
   return moved;

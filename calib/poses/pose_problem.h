@@ -13,6 +13,10 @@
 
 namespace sonarcal::calib {
 
+// Returns a named pose with whole turns added to its angles, so that each is within half a turn of that of
+// `near`.
+PoseStep NearestTurns(PoseStep named, const PoseStep& near);
+
 class PoseProblem {
  public:
   // Model and catalog must outlive the problem. `catalog` is that of the model, with bounds and priors. All

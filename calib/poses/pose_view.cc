@@ -31,8 +31,9 @@ PoseView::PoseView(const AcousticFrameModel& model, int frame, const ParameterSe
   double count = 0.0;
   for (std::size_t i = 0; i < shown_.size(); ++i) {
     if (!Counts(i)) continue;
-    squares += std::pow(shown_.values()[i] - expected.values()[i], 2);
-    count += 1.0;
+    const double weight = model_.Weight(frame_, i);
+    squares += weight * std::pow(shown_.values()[i] - expected.values()[i], 2);
+    count += weight;
   }
   weight_ = squares > 0.0 ? count / (squares * pixels_per_cell_) : 0.0;
 }
@@ -101,9 +102,10 @@ PoseView::Evaluation PoseView::Evaluate(const Eigen::VectorXf& expected) const {
   const Eigen::Index pixels = expected.size();
   if (!smoothing_.none()) {
     const Eigen::VectorXd difference = expected.cast<double>();
-    return {.cost = 0.5 * weight_ * difference.squaredNorm(),
-            .score = -weight_ * difference,
-            .information = Eigen::VectorXd::Constant(pixels, weight_)};
+    const Eigen::VectorXd weight = Eigen::VectorXd::NullaryExpr(
+        pixels, [&](Eigen::Index i) { return weight_ * model_.Weight(frame_, static_cast<std::size_t>(i)); });
+    const Eigen::VectorXd score = -weight.cwiseProduct(difference);
+    return {.cost = -0.5 * score.dot(difference), .score = score, .information = weight};
   }
   Evaluation evaluated{
       .cost = 0.0, .score = Eigen::VectorXd::Zero(pixels), .information = Eigen::VectorXd::Zero(pixels)};
@@ -112,10 +114,11 @@ PoseView::Evaluation PoseView::Evaluate(const Eigen::VectorXf& expected) const {
   for (Eigen::Index i = 0; i < pixels; ++i) {
     if (!Counts(static_cast<std::size_t>(i))) continue;
     const double mean = std::exp(static_cast<double>(expected[i]));
+    const double weight = model_.Weight(frame_, static_cast<std::size_t>(i)) / pixels_per_cell_;
     const LikelihoodTerm term = PowerLikelihood(frame.recorded[i], mean, looks);
-    evaluated.cost += 0.5 * term.residual * term.residual / pixels_per_cell_;
-    evaluated.score[i] = -term.residual * term.slope / pixels_per_cell_;
-    evaluated.information[i] = ExpectedInformation(lowest_, highest_, mean, looks) / pixels_per_cell_;
+    evaluated.cost += 0.5 * weight * term.residual * term.residual;
+    evaluated.score[i] = -weight * term.residual * term.slope;
+    evaluated.information[i] = weight * ExpectedInformation(lowest_, highest_, mean, looks);
   }
   return evaluated;
 }

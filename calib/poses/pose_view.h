@@ -4,7 +4,7 @@
 // speckle then has about the same size everywhere. Only this cost has a useful slope from poses so far away
 // that edges do not overlap. By likelihood: the logarithm of the mean power, with the law of speckle about it
 // (calib/models/power_likelihood.h). Either cost is divided by the number of pixels in a speckle cell, so
-// that it can be weighed against a prior.
+// that it can be weighed against a prior. Pixels have the weights of the fit (AcousticFrameModel::Weight).
 #pragma once
 
 #include <Eigen/Core>

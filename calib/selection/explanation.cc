@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calib/mirror_start.h"
+#include "calib/problem_builder.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/acoustic/acoustic_image.h"
@@ -24,7 +25,9 @@ namespace {
 constexpr double kCellWidths = 1.5053;
 
 constexpr const char* kNoiseLevel = "receiver.noise_db";
-constexpr const char* kWholeScene = "scene";  // the only material of the first steps
+// The only material of the first steps, and its curve, which those of the materials replace.
+constexpr const char* kWholeScene = "scene";
+constexpr const char* kWholeSceneCurve = "material.scene.";
 
 Scene OfOneMaterial(Scene scene) {
   scene.material_names = {kWholeScene};
@@ -96,20 +99,13 @@ std::vector<std::vector<double>> MedianGrey(const ExplainedStep& step, const std
   return grey;
 }
 
-// Counts the values of a step that the data determine and that the other step does not fit.
-int DeterminedOnlyIn(const std::vector<FittedParameter>& step, const std::vector<FittedParameter>& other) {
-  return static_cast<int>(std::ranges::count_if(step, [&](const FittedParameter& value) {
-    return value.status != ParameterStatus::kUnidentifiable &&
-           std::ranges::find(other, value.name, &FittedParameter::name) == other.end();
-  }));
-}
-
 class Explainer {
  public:
   Explainer(const Scene& scene, const SonarModel& sonar, const std::vector<GreyFrame>& used,
             const std::vector<GreyFrame>& held_out, const ParameterSet& given, const ExplainOptions& options)
       : sonar_(sonar), used_(used), held_out_(held_out), given_(given), options_(options) {
     complete_ = sim::WithResponse(sonar, given);
+    block_ = BlockOf(complete_);
     narrow_.emplace(OfOneMaterial(scene), sonar,
                     WithinElevationBeam(options.simulation, complete_.beam.elevation_width_deg));
     one_.emplace(OfOneMaterial(scene), sonar, options.simulation);
@@ -296,44 +292,42 @@ class Explainer {
 
   // Adds an evaluated step to the result.
   void Keep(ExplainedStep step) {
-    const std::vector<FittedParameter> none;
-    const std::vector<FittedParameter>& before = result_.steps.empty() ? none : result_.steps.back().fitted;
-    determined_ += DeterminedOnlyIn(step.fitted, before) - DeterminedOnlyIn(before, step.fitted);
-    step.determined = determined_ + (step.knows_speckle ? 1 : 2);  // looks, or offset and spread
+    if (!step.parameters.materials.contains(kWholeScene))
+      std::erase_if(determined_, [](const auto& value) { return value.first.starts_with(kWholeSceneCurve); });
+    for (const FittedParameter& value : step.fitted)
+      determined_.try_emplace(value.name, value.status != ParameterStatus::kUnidentifiable);
+    const auto count = std::ranges::count_if(determined_, [](const auto& value) { return value.second; });
+    step.determined = static_cast<int>(count) + (step.knows_speckle ? 1 : 2);  // looks, or offset and spread
     with_speckle_.push_back(step.knows_speckle ? step : WithSpeckle(step));
     result_.steps.push_back(std::move(step));
   }
 
   // Blocks have the same size in all steps, that of the given beam and pulse.
-  int BlockBins() const {
+  BlockPixels BlockOf(const ParameterSet& given) const {
     const PolarAxes& axes = sonar_.axes;
-    return BlockAlong(options_.fit.block_bins, complete_.pulse.length_m / axes.range_bin_m(),
-                      axes.range_bins);
-  }
-  int BlockBeams() const {
-    const PolarAxes& axes = sonar_.axes;
-    return BlockAlong(options_.fit.block_beams,
-                      complete_.beam.azimuth_width_deg / DegFromRad(axes.beam_spacing_rad()),
-                      axes.beam_count());
+    const double spacing_deg = DegFromRad(axes.beam_spacing_rad());
+    const FrameModel::SpeckleCell cell{
+        .bins = std::max(1.0, given.pulse.length_m / axes.range_bin_m()),
+        .beams = spacing_deg > 0.0 ? std::max(1.0, given.beam.azimuth_width_deg / spacing_deg) : 1.0};
+    return BlockSize(cell, axes.range_bins, axes.beam_count(), options_.fit);
   }
 
   BlockedLikelihood Likelihood(const ExplainedStep& step, const std::vector<GreyFrame>& frames,
                                const std::vector<std::vector<double>>& mean_power) const {
-    const int bins = BlockBins();
-    const int beams = BlockBeams();
-    if (step.knows_speckle) return GreyLikelihood(frames, mean_power, step.parameters, bins, beams);
-    return GreyLikelihood(frames, GreyOf(mean_power, frames, step.parameters), step.grey, bins, beams);
+    return WithEdges(step.knows_speckle
+                         ? GreyLikelihood(frames, mean_power, step.parameters, block_.bins, block_.beams)
+                         : GreyLikelihood(frames, GreyOf(mean_power, frames, step.parameters), step.grey,
+                                          block_.bins, block_.beams));
   }
 
   BlockedLikelihood Error(const ExplainedStep& step, const std::vector<GreyFrame>& frames,
                           const std::vector<std::vector<double>>& mean_power) const {
-    return GreyError(frames, MedianGrey(step, frames, mean_power), BlockBins(), BlockBeams());
+    return WithEdges(GreyError(frames, MedianGrey(step, frames, mean_power), block_.bins, block_.beams));
   }
 
-  static int BlockAlong(int least, double widths, int extent) {
-    constexpr double kWidths = 8.0;
-    constexpr int kMin = 4;
-    return std::max(least, std::min(static_cast<int>(std::ceil(kWidths * widths)), extent / kMin));
+  BlockedLikelihood WithEdges(BlockedLikelihood sums) const {
+    sums.variance_factor = block_.variance_factor;
+    return sums;
   }
 
   // Materials and ghosts concern few pixels, so the law of speckle compares them: a part can make up for a
@@ -397,6 +391,7 @@ class Explainer {
   ParameterSet given_;
   ParameterSet complete_;  // with actual beam and pulse
   const ExplainOptions& options_;
+  BlockPixels block_;
   FitOptions fit_options_;
   // noise level in fits before `noise`; the images of these steps lack it
   std::optional<double> hidden_noise_db_;
@@ -405,7 +400,8 @@ class Explainer {
   std::optional<sim::Simulator> all_;
   std::vector<std::vector<double>> mean_used_;  // for the last step
   FrameModel::SpeckleCell speckle_cell_;
-  int determined_ = 0;                       // fitted values of the last step, as in ExplainedStep
+  // Names of the values that the steps so far fitted; true: the data determined it in the first of them.
+  std::map<std::string, bool> determined_;
   std::vector<ExplainedStep> with_speckle_;  // each step under the law of speckle
   Explanation result_;
 };

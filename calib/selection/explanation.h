@@ -30,7 +30,9 @@
 // count n independent cells, not pixels. ln L is the sum over pixels, divided by the number of pixels per
 // cell. For Gaussian responses a cell is 1.505 half-power widths of the beam times as many of the pulse (the
 // area under the autocorrelation of speckle power). k counts the values that the data determine, not those
-// that priors determine. A value that several steps fit counts as in the first of them.
+// that priors determine. A value that several steps fit counts as in the first of them. It still counts in
+// steps that keep it without fitting it. Only the curve of the whole scene is replaced, by those of the
+// materials.
 #pragma once
 
 #include <functional>

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "calib/identifiability.h"
+
 namespace sonarcal::calib {
 namespace {
 
@@ -200,7 +202,7 @@ ceres::Solver::Summary Solve(const PointEchoData& data, const PointEchoFree& fre
   options.max_num_iterations = 100;
   options.function_tolerance = 1e-9;
   options.logging_type = ceres::SILENT;
-  options.num_threads = 2;
+  options.num_threads = 1;  // sums over several threads differ from run to run
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return summary;
@@ -311,6 +313,12 @@ std::vector<double> FindErrors(const PointEchoData& data, const PointEchoFree& f
     change.bottomRightCorner(data.groups, data.groups).array() -= share;
     state.covariance = change * state.covariance * change.transpose();
   }
+  // The error of the level comes from the scatter of the frames' levels about it.
+  if (spread > 0.0) {
+    const double widening = StudentFactor(frames - 1.0);
+    state.covariance.row(0) *= widening;
+    state.covariance.col(0) *= widening;
+  }
   state.frame_level_sigma_db.clear();
   for (const double variance : own_variance) {
     // Without what the spread of levels says.
@@ -397,14 +405,14 @@ PointEchoSolution FitPointEcho(const PointEchoData& data, const PointEchoFree& f
     state.pulse_at_bound = state.echo.log_pulse < ShortestLogPulse(data.windows.front()) + kAtBound;
     const double inflation_before = state.inflation;
     const std::vector<double> own_variance = FindErrors(data, free, state);
-    // Expectation maximisation of the spread of the frames' levels.
+    // Expectation maximisation of the spread of the frames' levels. Their mean is fitted to the same frames,
+    // which costs the offsets from it one degree of freedom.
     if (state.level_spread_db > 0.0) {
-      double square = 0.0;
-      for (std::size_t i = 0; i < state.frames.size(); ++i) {
-        square += std::pow(state.frames[i].level_offset_db, 2) + own_variance[i];
-      }
-      state.level_spread_db =
-          std::max(kLeastSpreadDb, std::sqrt(square / static_cast<double>(state.frames.size())));
+      const auto frames = static_cast<double>(state.frames.size());
+      double variance = 0.0;
+      for (std::size_t i = 0; i < state.frames.size(); ++i)
+        variance += std::pow(state.frames[i].level_offset_db, 2) / (frames - 1.0) + own_variance[i] / frames;
+      state.level_spread_db = std::max(kLeastSpreadDb, std::sqrt(variance));
     }
     constexpr double kSame = 1e-4;
     const bool same_spread = std::abs(state.level_spread_db - spread_before) <= 0.02 * spread_before;

@@ -7,7 +7,8 @@
 // Standard errors are those of the linearised problem, with the values of each frame eliminated. Noise is
 // correlated between pixels, so that a pixel counts for less than one. By how much is found from the frames:
 // the scatter of their slopes of the cost by the shape of the echo, over what independent pixels would give.
-// With fewer than kFramesForScatter frames, a resolution cell counts as one pixel.
+// With fewer than kFramesForScatter frames, a resolution cell counts as one pixel. Few frames hardly show how
+// much their levels differ, so Student's factor widens the standard error of the level.
 #pragma once
 
 #include <Eigen/Core>

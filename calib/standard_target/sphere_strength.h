@@ -30,7 +30,7 @@ struct SphereStrength {
   bool doubtful = false;
 };
 
-// Density of water in kg/m^3, within 1 kg/m^3 at 0..30 C, 0..40 ppt and little depth.
+// Density of water in kg/m^3, within 1.3 kg/m^3 at 0..30 C, 0..40 ppt and little depth.
 double WaterDensityKgPerM3(const Water& water);
 
 // `pulse_m`: half-power length, one way. Throws DataError for an unknown material, a frequency or sound speed

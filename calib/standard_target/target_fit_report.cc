@@ -74,6 +74,14 @@ void FillSentences(const FittedPointEcho& state, StandardTargetFit& fit) {
         "the sphere is taken to be on the axis in elevation, because {}; if it was not, the level is "
         "too low by the elevation response there",
         fit.elevation_unknown));
+  } else if (fit.position->mirror_m) {
+    const Eigen::Vector3d& at_m = fit.position->position_m;
+    const Eigen::Vector3d& mirror_m = *fit.position->mirror_m;
+    report.gauge.push_back(fmt::format(
+        "the sphere is taken to be at ({:.3f}, {:.3f}, {:.3f}) m in the world: its mirror image in the plane "
+        "of the beams, at ({:.3f}, {:.3f}, {:.3f}) m, agrees with the poses as well, so the elevations are "
+        "known except for their sign",
+        at_m.x(), at_m.y(), at_m.z(), mirror_m.x(), mirror_m.y(), mirror_m.z()));
   }
   if (state.data.groups == 0)
     report.gauge.emplace_back(

@@ -15,6 +15,13 @@
 namespace sonarcal::calib {
 namespace {
 
+constexpr double kMaxElevationErrorRad = RadFromDeg(1.0);
+
+double ElevationRad(const TargetSight& sight, const Eigen::Vector3d& position_m) {
+  const Eigen::Vector3d in_sonar = sight.world_from_sonar.Inverse() * position_m;
+  return std::asin(in_sonar.z() / in_sonar.norm());
+}
+
 // Errors are in units of the tolerance.
 class Locator {
  public:
@@ -55,7 +62,8 @@ class Locator {
     const Locator among_them(agreeing, tolerance_);
     const Eigen::Vector3d position_m = among_them.Refine(start_m);
     if (!among_them.Determines(position_m)) return {};
-    TargetPosition result{.position_m = position_m};
+    TargetPosition result{.position_m = position_m, .mirror_m = among_them.MirrorOf(position_m)};
+    if (result.mirror_m && !among_them.HasElevationsOf(position_m, *result.mirror_m)) return {};
     double count = 0.0;
     for (const TargetSight& sight : sights_) {
       result.agrees.push_back(Agrees(sight, position_m));
@@ -65,8 +73,7 @@ class Locator {
         result.azimuth_error_rad += error(1) * error(1);
         count += 1.0;
       }
-      const Eigen::Vector3d in_sonar = sight.world_from_sonar.Inverse() * position_m;
-      result.elevation_rad.push_back(std::asin(in_sonar.z() / in_sonar.norm()));
+      result.elevation_rad.push_back(ElevationRad(sight, position_m));
     }
     result.range_error_m = tolerance_.range_m * std::sqrt(result.range_error_m / count);
     result.azimuth_error_rad = tolerance_.azimuth_rad * std::sqrt(result.azimuth_error_rad / count);
@@ -142,14 +149,43 @@ class Locator {
     return position_m;
   }
 
-  bool Determines(const Eigen::Vector3d& position_m) const {
+  double VarianceAt(const Step& step) const {
     constexpr double kLeastError = 0.1;  // of the tolerance
+    const double freedom = 2.0 * static_cast<double>(sights_.size()) - 3.0;
+    return std::max(kLeastError * kLeastError, step.squares / freedom);
+  }
+
+  bool Determines(const Eigen::Vector3d& position_m) const {
     const Step at = StepAt(position_m);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(at.information);
-    const double freedom = 2.0 * static_cast<double>(sights_.size()) - 3.0;
-    const double variance = std::max(kLeastError * kLeastError, at.squares / freedom);
-    const double weakest_m = std::sqrt(variance / axes.eigenvalues()(0));
-    return weakest_m < RadFromDeg(1.0) * sights_.front().range_m;
+    const double weakest_m = std::sqrt(VarianceAt(at) / axes.eigenvalues()(0));
+    return weakest_m < kMaxElevationErrorRad * sights_.front().range_m;
+  }
+
+  // The mirror image of a position in the mean image plane, refined, if it is elsewhere and agrees as well.
+  std::optional<Eigen::Vector3d> MirrorOf(const Eigen::Vector3d& position_m) const {
+    constexpr double kMaxWorseNats = 4.0;  // odds of 55 to 1
+    Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (const TargetSight& sight : sights_) {
+      sum_m += sight.world_from_sonar.position_m;
+      normal += sight.world_from_sonar.rotation * Eigen::Vector3d::UnitZ();
+    }
+    normal.normalize();
+    const Eigen::Vector3d away_m = position_m - sum_m / static_cast<double>(sights_.size());
+    const Eigen::Vector3d mirror_m = Refine(position_m - 2.0 * away_m.dot(normal) * normal);
+    if ((mirror_m - position_m).norm() < kMaxElevationErrorRad * sights_.front().range_m) return {};
+    const Step at = StepAt(position_m);
+    const double worse_nats = 0.5 * (StepAt(mirror_m).squares - at.squares) / VarianceAt(at);
+    return worse_nats < kMaxWorseNats ? std::optional(mirror_m) : std::nullopt;
+  }
+
+  // True if the elevations of two positions have the same size in each sight.
+  bool HasElevationsOf(const Eigen::Vector3d& position_m, const Eigen::Vector3d& other_m) const {
+    return std::ranges::all_of(sights_, [&](const TargetSight& sight) {
+      return std::abs(std::abs(ElevationRad(sight, position_m)) - std::abs(ElevationRad(sight, other_m))) <
+             kMaxElevationErrorRad;
+    });
   }
 
   const std::vector<TargetSight>& sights_;

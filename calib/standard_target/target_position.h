@@ -24,10 +24,13 @@ struct SightTolerance {
 
 struct TargetPosition {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  // world
-  double range_error_m = 0.0;                            // RMS of the sights that agree
-  double azimuth_error_rad = 0.0;                        // likewise
-  std::vector<double> elevation_rad = {};                // of each sight
-  std::vector<bool> agrees = {};                         // of each sight: within the tolerance
+  // Mirror image of the position in the image plane, if the sights agree with it as well: a sonar that stays
+  // in its image plane does not see on which side the target is. Elevations then have the right size only.
+  std::optional<Eigen::Vector3d> mirror_m = {};
+  double range_error_m = 0.0;              // RMS of the sights that agree
+  double azimuth_error_rad = 0.0;          // likewise
+  std::vector<double> elevation_rad = {};  // of each sight
+  std::vector<bool> agrees = {};           // of each sight: within the tolerance
 };
 
 struct TargetLocation {
@@ -38,8 +41,9 @@ struct TargetLocation {
 // Finds the position that most sights agree with, by least squares among these. There is none in two cases:
 //
 // - Fewer than three sights agree, or less than half of them.
-// - The poses do not determine it: the standard error of an elevation would exceed a degree. Errors are taken
-//   as those that remain, and as at least a tenth of the tolerance.
+// - The poses do not determine it: the standard error of an elevation would exceed a degree, or the mirror
+//   image agrees as well and has elevations of another size. Errors are taken as those that remain, and as at
+//   least a tenth of the tolerance.
 TargetLocation LocateTarget(const std::vector<TargetSight>& sights, const SightTolerance& tolerance);
 
 }  // namespace sonarcal::calib

@@ -2,6 +2,7 @@
 // `reproduce` writes for README's fit, not from one near the truth.
 #include "calib/curve_alternatives.h"
 
+#include <ceres/jet.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +10,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "calib/fit.h"
 #include "calib/fit_starts.h"
+#include "calib/models/coarse_frame_model.h"
+#include "calib/problem_builder.h"
 #include "tests/calib/curve_model.h"
+#include "tests/calib/small_tank.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -133,6 +139,135 @@ TEST(CurveAlternativesTest, TheFitGoesToTheBetterOfTwoOptima) {
     const ModelFit from_truth = Fit(model, model.truth(), config, options);
     const ModelFit from_wrong = Fit(model, wrong, config, options);
     EXPECT_NEAR(from_wrong.report.cost_final, from_truth.report.cost_final, 0.3) << seed;
+  }
+}
+
+// SYNTHETIC residuals with two optima: D is 1.5 or 4, and B is 5 or 15. F is 8 at both, so the Gaussians are
+// in order at the first optimum only. The second one is better by two nats.
+class TwoOrders final : public FrameModel {
+ public:
+  const std::vector<CatalogEntry>& catalog() const override { return of_.catalog(); }
+  int frame_count() const override { return 1; }
+  int frame_index(int) const override { return 0; }
+  int range_bins() const override { return kResiduals * kRepeats; }
+  int beams() const override { return 1; }
+  bool Counts(int, std::size_t) const override { return true; }
+  bool ShowsMaterial(int) const override { return true; }
+  const std::vector<std::string>& material_names() const override { return of_.material_names(); }
+  bool IsLikelihood() const override { return true; }
+  std::unique_ptr<FrameEvaluation> At(int, const ParameterValues& values, std::span<const int> active,
+                                      Terms) const override {
+    return std::make_unique<Evaluation>(values, active);
+  }
+
+ private:
+  static constexpr int kResiduals = 4;
+  static constexpr int kRepeats = 16;  // for several blocks of the covariance
+  using Dual = ceres::Jet<double, 6>;
+
+  class Evaluation final : public FrameEvaluation {
+   public:
+    Evaluation(const ParameterValues& values, std::span<const int> active)
+        : active_(active.begin(), active.end()) {
+      const Dual b(values[1], 1);
+      const Dual d(values[3], 3);
+      const Dual f(values[5], 5);
+      const Dual to_second = (d - 1.5) / 2.5;
+      residuals_ = {4.0 * (d - 1.5) * (d - 4.0), 2.0 * (1.0 - to_second),
+                    10.0 * (log(b / 5.0) - std::log(3.0) * to_second), 10.0 * log(f / 8.0)};
+    }
+
+    bool Bins(int first, int last, PixelTerms& terms) const override {
+      const auto count = static_cast<std::size_t>(last - first);
+      terms.residual.resize(count);
+      terms.slope.assign(count, 1.0);
+      terms.information.assign(count, 1.0);
+      terms.eta_jacobian.resize(count * active_.size());
+      const double share = 1.0 / std::sqrt(kRepeats);
+      for (std::size_t i = 0; i < count; ++i) {
+        const Dual& residual = residuals_[(static_cast<std::size_t>(first) + i) % kResiduals];
+        terms.residual[i] = share * residual.a;
+        for (std::size_t k = 0; k < active_.size(); ++k)
+          terms.eta_jacobian[i * active_.size() + k] = share * residual.v[active_[k]];
+      }
+      return true;
+    }
+
+   private:
+    std::vector<int> active_;
+    std::array<Dual, kResiduals> residuals_;
+  };
+
+  const CurveModel of_{CurveModelOptions{.truth = kMockup}};
+};
+
+TEST(CurveAlternativesTest, TheReportedCostIsThatOfTheValuesAfterAMoveToOtherCurves) {
+  const TwoOrders model;
+  FitConfig config;
+  config.free = {"materials"};
+  for (const int entry : {1, 3, 5}) config.priors[model.catalog()[entry].name] = std::nullopt;
+  FitOptions options;
+  options.starts = 1;
+  options.threads = 1;
+  options.search_level = false;
+  const ModelFit fit = Fit(model, {0.1, 5.0, 0.01, 1.5, 0.1, 8.0}, config, options);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_NEAR(fit.values[3], 4.0, 0.1) << "the second optimum";
+  EXPECT_LT(fit.report.cost_final, 0.5);
+  // The other priors are about the start, where A, C and E stay.
+  EXPECT_NEAR(CostAt(model, fit.values, 1), fit.report.cost_final, 0.1);
+}
+
+TEST(CurveAlternativesTest, StartsThatReachTheSameBetterCurveGiveItOnce) {
+  const TwoOrders model;
+  const ParameterValues values = {0.1, 5.0, 0.01, 1.516, 0.1, 8.0};  // the first optimum
+  const std::vector<int> free = {0, 1, 2, 3, 4, 5};
+  const Eigen::MatrixXd covariance = 1e-4 * Eigen::MatrixXd::Identity(6, 6);
+  std::vector<CatalogEntry> catalog = model.catalog();
+  for (CatalogEntry& entry : catalog)
+    entry.prior = Prior{.coordinate = entry.CoordinateFromValue(values[entry.index]), .sigma = 10.0};
+  const CurveAlternatives found = FindCurveAlternatives(
+      model, catalog, {.values = values, .free = free, .interior = free, .covariance = covariance});
+  ASSERT_EQ(found.better.size(), 1U);
+  EXPECT_NEAR(found.better[0][3], 4.0, 0.1);
+}
+
+// The cost of one material is that of its own pixels, so only its fall says which curve is better.
+TEST(CurveAlternativesTest, BetterCurvesOfTwoMaterialsAreOrderedByTheFallOfTheCost) {
+  sim::SimulationOptions options = testing::SmallTankOptions();
+  options.noise = true;
+  const sim::Simulator simulator(testing::SmallTank(), testing::SmallSonar(), options);
+  const ParameterSet truth = testing::SmallTankAcousticTruth();
+  std::vector<AcousticFrame> frames;
+  for (const Pose& pose : testing::SmallTankPoses()) {
+    const int index = static_cast<int>(frames.size());
+    frames.push_back({.index = index,
+                      .world_from_sonar = pose,
+                      .recorded = RecordedPowers(simulator.Render(pose, truth, index), truth.display)});
+  }
+  const AcousticFrameModel fine(simulator, frames, truth);
+  const CoarseFrameModel model(fine, fine.sonar_at_point(), fine.echoes(), {.bins = 2, .beams = 4});
+  const std::vector<CatalogEntry>& catalog = model.catalog();
+  std::vector<int> free;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (catalog[i].group == ParameterGroup::kGsab) free.push_back(static_cast<int>(i));
+  }
+  // So uncertain that each curve may lie on a plateau.
+  const auto count = static_cast<Eigen::Index>(free.size());
+  const Eigen::MatrixXd covariance = 1e6 * Eigen::MatrixXd::Identity(count, count);
+  for (const std::string far_off : {"material.floor.", "material.box."}) {
+    ParameterValues values = fine.initial_values();
+    for (const int entry : free) {
+      if (IsAmplitude(catalog[entry]))
+        values[entry] *= catalog[entry].name.starts_with(far_off) ? 100.0 : 2.0;
+      values[entry] = std::clamp(values[entry], catalog[entry].lower, catalog[entry].upper);
+    }
+    const CurveAlternatives found = FindCurveAlternatives(
+        model, catalog, {.values = values, .free = free, .interior = free, .covariance = covariance});
+    ASSERT_EQ(found.better.size(), 2U) << far_off;
+    EXPECT_LT(CostAt(model, found.better[0], model.frame_count()),
+              CostAt(model, found.better[1], model.frame_count()))
+        << far_off;
   }
 }
 

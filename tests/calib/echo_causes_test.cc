@@ -165,6 +165,27 @@ TEST_F(EchoCausesTest, ASideLobeNamesTheBeamItComesFrom) {
   EXPECT_GT(lobes, 4);
 }
 
+// With an even number of columns per beam, two of them share the peak of the response.
+TEST_F(EchoCausesTest, PatternsWithoutSideLobesHaveNoneInAzimuth) {
+  ParameterSet gaussian = Parameters();
+  gaussian.mirrors.clear();
+  gaussian.beam.azimuth_pattern = AzimuthPattern::kGaussian;
+  ParameterSet table = gaussian;
+  table.beam.azimuth_pattern = AzimuthPattern::kTable;
+  table.beam.azimuth_table_db = {-30.0, -9.0, 0.0, -7.0, -30.0};
+  for (const int columns_per_beam : {4, 5}) {
+    sim::SimulationOptions options = Options();
+    options.fan.cols = columns_per_beam * testing::SmallSonar().axes.beam_count();
+    const sim::Simulator simulator(testing::SmallTankWithWall(), testing::SmallSonar(), options);
+    for (const ParameterSet& parameters : {gaussian, table}) {
+      const sim::EchoCauses causes = sim::CausesOf(simulator, testing::SmallTankPoses().front(), parameters);
+      EXPECT_TRUE(causes.lobe_of.empty()) << columns_per_beam;
+      for (const sim::EchoCause& cause : causes.causes)
+        EXPECT_NE(cause.kind, sim::CauseKind::kAzimuthLobe) << columns_per_beam;
+    }
+  }
+}
+
 TEST(MainLobeEnd, IsTheFirstNullOfACosineAperture) {
   // cos(pi v) / (1 - 4 v^2) is first null at v = 3/2; half power two-way at 0.4254963.
   const double width_rad = 20.0 * kPi / 180.0;

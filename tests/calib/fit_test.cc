@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "calib/fit_starts.h"
 #include "calib/paper/paper_frame_model.h"
+#include "calib/problem_builder.h"
 #include "sim/physics/gsab.h"
+#include "tests/calib/curve_model.h"
 #include "tests/calib/small_tank.h"
 
 namespace sonarcal::calib {
@@ -168,6 +171,25 @@ TEST_F(PaperFitTest, PixelsThatDoNotCountDoNotBendTheFit) {
   ASSERT_TRUE(fit.usable);
   EXPECT_NEAR(fit.report.Find("display.db_max")->value, 170.0,
               3.0 * *fit.report.Find("display.db_max")->sigma);
+}
+
+// A prior about C, half the start, a fifth of it wide.
+TEST(LikelihoodFitTest, TheInitialCostContainsThePriorsAsTheFinalOneDoes) {
+  const testing::CurveModel model(
+      {.truth = {.a = 0.126, .b_deg = 5.5, .c = 0.01, .d = 1.3, .e = 0.025, .f_deg = 17.0}});
+  ParameterValues start = model.truth();
+  start[2] *= 2.0;
+  FitConfig config{.free = std::vector<std::string>{"materials"}};
+  config.priors[model.catalog()[2].name] = std::pair{0.5 * start[2], 0.1 * start[2]};
+  FitOptions options;
+  options.starts = 1;
+  options.threads = 1;
+  options.test_others = false;
+  const ModelFit fit = Fit(model, start, config, options);
+  ASSERT_TRUE(fit.usable);
+  const double of_prior = 0.5 * std::pow(std::log(2.0) / 0.2, 2);
+  EXPECT_NEAR(fit.report.cost_initial, CostAt(model, start, 1) + of_prior, 1e-6);
+  EXPECT_LT(fit.report.cost_final, fit.report.cost_initial);
 }
 
 TEST_F(PaperFitTest, InvalidFitConfigurationsAreRefused) {

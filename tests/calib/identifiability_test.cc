@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <random>
 
 #include <boost/math/distributions/students_t.hpp>
@@ -105,6 +106,24 @@ TEST(JackknifeCovarianceTest, IsThatOfWholeMatricesIfBlocksDependOnFewParameters
     const double quantile = boost::math::quantile(boost::math::students_t(freedom), 0.975);
     EXPECT_NEAR(factors(i), quantile / 1.959964, 0.05) << freedom << " degrees of freedom";
   }
+}
+
+TEST(StudentFactorTest, IsTheQuantileOfStudentsLawOverTheNormalOne) {
+  for (const double freedom : {3.0, 5.0, 11.0, 40.0}) {
+    const double quantile = boost::math::quantile(boost::math::students_t(freedom), 0.975);
+    EXPECT_NEAR(StudentFactor(freedom), quantile / 1.959964, 0.02) << freedom << " degrees of freedom";
+  }
+  EXPECT_NEAR(StudentFactor(1e6), 1.0, 1e-5);
+  EXPECT_FALSE(std::isfinite(StudentFactor(1.9)));
+}
+
+TEST(WidenedCovarianceTest, AFactorThatIsNotFiniteLeavesThoseOfTheOtherParameters) {
+  const Eigen::Matrix2d covariance{{4.0, 1.0}, {1.0, 9.0}};
+  EXPECT_TRUE(WidenedCovariance(covariance, Eigen::Vector2d(1.5, 2.0))
+                  .isApprox(Eigen::Matrix2d{{9.0, 3.0}, {3.0, 36.0}}));
+  const double none = StudentFactor(1.0);
+  EXPECT_TRUE(WidenedCovariance(covariance, Eigen::Vector2d(1.5, none))
+                  .isApprox(Eigen::Matrix2d{{9.0, 1.5}, {1.5, 9.0}}));
 }
 
 TEST(AddBlockTest, SumsBlocksOfDifferentParameters) {

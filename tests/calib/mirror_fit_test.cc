@@ -163,6 +163,18 @@ TEST_F(MirrorFit, AbsentMirrorsAndTransmitLimitsGetStartingValues) {
             kStartLossDb);
 }
 
+TEST_F(MirrorFit, TransmitLimitsOfWideBeamsStartWithinThoseOfTheFile) {
+  ParameterSet start = Truth();
+  start.beam.transmit_even_deg = 0.0;
+  start.beam.transmit_end_deg = 0.0;
+  const FitConfig config{.free = std::vector<std::string>{"beam.transmit_end_deg"}};
+  SonarModel wide = simulator_.sonar();
+  for (double& azimuth_rad : wide.axes.beam_azimuth_rad) azimuth_rad *= 80.0 / 14.4;
+  const BeamParameters beam = WithMirrorStart(start, config, {"floor"}, wide).beam;
+  EXPECT_NEAR(beam.transmit_even_deg, 80.0, 1e-6);
+  EXPECT_EQ(beam.transmit_end_deg, 90.0);
+}
+
 TEST_F(MirrorFit, AGroupThatNoMirrorIsOfIsRefused) {
   const FitConfig config{.free = std::vector<std::string>{"mirrors"}};
   const std::vector<AcousticFrame> frames = Frames(Truth());

@@ -1,6 +1,7 @@
 #include "calib/noise/noise_fit.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -389,6 +390,24 @@ TEST(NoiseFitTest, LooksAreDeterminedIfTheSpanIsKnown) {
   EXPECT_LT(std::abs(looks->value - 1.35), 4.0 * *looks->sigma);
 }
 
+TEST(NoiseFitTest, AGivenDisplayIsKept) {
+  for (const DisplayLaw law : {DisplayLaw::kSoftLog, DisplayLaw::kSoftAmplitude}) {
+    NoiseLaw truth = Logarithm(1.0);
+    truth.display.law = law;
+    truth.display.soft_db = 0.0;
+    NoiseFitOptions options;
+    options.display = truth.display;
+    const NoiseFit fit = FitNoise(Source(truth).Draw(9, 6), options);
+    ASSERT_TRUE(fit.usable) << ToString(law);
+    EXPECT_EQ(fit.law.display, truth.display) << ToString(law);
+    const FittedParameter* soft = fit.report.Find("display.soft_db");
+    ASSERT_TRUE(soft) << ToString(law);
+    EXPECT_EQ(soft->status, ParameterStatus::kFixed);
+    EXPECT_EQ(soft->value, 0.0);
+    EXPECT_EQ(soft->initial, 0.0);
+  }
+}
+
 TEST(NoiseFitTest, TextureOfReverberationIsFound) {
   Source source(Logarithm(0.6));
   source.info.scale.db_span = 80.0;
@@ -753,6 +772,18 @@ TEST(NoiseJudgementTest, ALawWithADiffuseComponentIsJudgedByItself) {
   other = source.law;
   other.receiver.looks = 0.01;
   EXPECT_THROW(JudgeNoise(other, recording, pings, CellsOf(source), {}), DataError);
+}
+
+TEST(NoiseJudgementTest, WeightedLooksBelowOneAreRefused) {
+  Source source(Logarithm(1.0));
+  const MemoryRecording recording = source.Draw(1, 5);
+  NoiseLaw law = source.law;
+  law.receiver.looks = 0.8;
+  EXPECT_NO_THROW(JudgeNoise(law, recording, {0}, CellsOf(source), {})) << "Gamma speckle";
+  law.speckle = sim::SpeckleLaw::kWeighted;
+  EXPECT_THAT([&] { JudgeNoise(law, recording, {0}, CellsOf(source), {}); },
+              ::testing::ThrowsMessage<DataError>(
+                  ::testing::HasSubstr("weighted speckle and receiver.looks 0.8, expected at least 1")));
 }
 
 // Background of one look and 0 dB through a display, 8 bits.

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <random>
 
+#include "calib/noise/still_likelihood.h"
 #include "core/types/units.h"
 #include "sim/gathered/pixel_echoes.h"
 #include "sim/physics/frozen_speckle.h"
@@ -156,6 +157,19 @@ TEST(FrozenPowerCdf, HasMeanAndVarianceOfTheLaw) {
       EXPECT_NEAR(square - mean * mean, (1.0 + 2.0 * echo) / looks, 2e-3 * (1.0 + 2.0 * echo));
     }
   }
+}
+
+// The nodes between the noise and the brightest pixels are limited in number.
+TEST(StillFrames, AnyNumberOfFramesAndLooksUsesPixelsUpToTenDbAboveTheNoise) {
+  EXPECT_EQ(BrightestUsedDb(1.0, 6, 30.0), 30.0);
+  double last_db = 40.0;
+  for (const int frames : {6, 100, 400, 525, 1300, 1500, 2500, 100000}) {
+    const double brightest_db = BrightestUsedDb(4.0, frames, 40.0);
+    EXPECT_GE(brightest_db, kMinBrightestDb) << frames;
+    EXPECT_LE(brightest_db, last_db) << frames;
+    last_db = brightest_db;
+  }
+  EXPECT_NEAR(last_db, kMinBrightestDb, 1e-9);
 }
 
 TEST(StillFrames, NoiseAndSpeckleOfOneLookAreSeparated) {

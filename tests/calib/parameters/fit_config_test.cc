@@ -138,6 +138,18 @@ TEST(FitConfigTest, ByDefaultTheLastThirdIsHeldOut) {
   EXPECT_THAT(SplitFrames({}, 6).held_out, ElementsAre(4, 5));
 }
 
+TEST(FitConfigTest, ByDefaultTheLastThirdOfTheUsedFramesIsHeldOut) {
+  const auto split_of = [](std::vector<int> used) {
+    const FrameSplit split = SplitFrames({.used = std::move(used)}, 8);
+    return std::pair(split.used, split.held_out);
+  };
+  using Lists = std::pair<std::vector<int>, std::vector<int>>;
+  EXPECT_EQ(split_of({4, 5, 6, 7}), (Lists{{4, 5, 6}, {7}}));
+  EXPECT_EQ(split_of({7, 6}), (Lists{{6}, {7}}));
+  EXPECT_EQ(split_of({5, 0, 1, 2, 3, 4}), (Lists{{0, 1, 2, 3}, {4, 5}}));
+  EXPECT_EQ(split_of({7}), (Lists{{7}, {}}));
+}
+
 TEST(FitConfigTest, UsedFramesAreThoseGivenWithoutTheHeldOutOnes) {
   FitConfig config;
   config.used = {5, 1, 1, 3};
@@ -171,7 +183,11 @@ TEST(FitConfigTest, FramesThatDoNotExistOrLeaveNoneAreRefused) {
   config.held_out = {5};
   EXPECT_THROW(SplitFrames(config, 5), DataError);
   config.held_out = {0, 1};
-  EXPECT_THROW(SplitFrames(config, 2), DataError);
+  EXPECT_THAT([&] { SplitFrames(config, 2); },
+              ::testing::ThrowsMessage<DataError>(HasSubstr("all 2 frames are held out")));
+  config.used = {1};
+  EXPECT_THAT([&] { SplitFrames(config, 8); },
+              ::testing::ThrowsMessage<DataError>(HasSubstr("all 1 used frames are held out")));
 }
 
 }  // namespace

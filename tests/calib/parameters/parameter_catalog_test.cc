@@ -102,6 +102,27 @@ TEST(ParameterCatalog, LimitsFollowTheSonar) {
   expect("mirror.floor.loss_db", 0.0, 60.0, 10.0);
 }
 
+// Ten beams whose outer edges lie `edge_deg` off the axis.
+SonarModel SonarUpTo(double edge_deg) {
+  SonarModel sonar = Sonar();
+  for (double& azimuth_rad : sonar.axes.beam_azimuth_rad) azimuth_rad *= edge_deg / 10.0;
+  return sonar;
+}
+
+TEST(ParameterCatalog, LimitsStayWithinThoseOfTheFile) {
+  const auto transmit_end = [](double edge_deg) {
+    return Find(BuildAcousticCatalog({"floor"}, SonarUpTo(edge_deg), {}, {1}), "beam.transmit_end_deg");
+  };
+  EXPECT_NEAR(transmit_end(29.0).upper, 89.0, 1e-9);
+  EXPECT_EQ(transmit_end(60.0).upper, 90.0);
+  EXPECT_NEAR(transmit_end(60.0).lower, 61.0, 1e-9);
+  const std::vector<CatalogEntry> none = BuildAcousticCatalog({"floor"}, SonarUpTo(89.5), {}, {1});
+  EXPECT_EQ(std::ranges::count(none, std::string("beam.transmit_end_deg"), &CatalogEntry::name), 0);
+  SonarModel sonar = Sonar();
+  sonar.elevation_beam_width_deg = 200.0;
+  EXPECT_EQ(Find(BuildAcousticCatalog({"floor"}, sonar, {}), "beam.elevation_width_deg").upper, 360.0);
+}
+
 TEST(ParameterCatalog, SlotsAreThePlacesOfTheValues) {
   ParameterSet set;
   set.receiver.noise_db = 1.0;

@@ -114,6 +114,86 @@ class SmallTankFrames : public ::testing::Test {
   ParameterSet truth_;
 };
 
+// Entries of the pose of frame 0, in the order of kPoseNames.
+std::vector<int> PoseEntries(const std::vector<CatalogEntry>& catalog) {
+  std::vector<int> entries;
+  for (std::size_t i = 0; i < catalog.size(); ++i) {
+    if (catalog[i].group == ParameterGroup::kPose && catalog[i].frame == 0)
+      entries.push_back(static_cast<int>(i));
+  }
+  return entries;
+}
+
+Scene BoxInOpenWater() {
+  Scene box = SmallTank();
+  std::erase_if(box.triangles, [&, i = std::size_t{0}](const auto&) mutable {
+    return box.material_names[box.triangle_material[i++]] == "floor";
+  });
+  box.triangle_material.assign(box.triangles.size(), box.MaterialIndex("box"));
+  return box;
+}
+
+// From about the middle of the height of that box: mirrored top to bottom it looks the same.
+Pose BesideTheMiddle() {
+  return {RotationFromYawPitchRoll(0.05, -0.04, 0.02), {0.1, -2.3, 0.55}};
+}
+
+TEST(NearestTurnsTest, AddsWholeTurnsToAnglesOnly) {
+  PoseStep named;
+  named << 400.0, 0.0, -400.0, -179.0, 10.0, 177.0;
+  PoseStep near;
+  near << 0.0, 0.0, 0.0, 178.0, 12.0, -540.0;
+  PoseStep expected;
+  expected << 400.0, 0.0, -400.0, 181.0, 10.0, -543.0;
+  EXPECT_TRUE(NearestTurns(named, near).isApprox(expected, 1e-12)) << NearestTurns(named, near);
+}
+
+TEST_F(SmallTankFrames, TheCostOfAPoseHasTheWeightsOfTheFit) {
+  const Pose pose = SmallTankPoses()[0];
+  const std::vector<AcousticFrame> frames = {Recorded(simulator_, pose, pose, 0)};
+  AcousticFrameModel model(simulator_, frames, truth_);
+  const ParameterValues& values = model.initial_values();
+  const PoseView::Rays rays = model.RaysAt(values, simulator_.options().fan);
+  const auto evaluated = [&](const PoseSmoothing& smoothing) {
+    const PoseView view(model, 0, model.Parameters(values), smoothing, rays, pose);
+    return view.Evaluate(view.Expected(pose, rays));
+  };
+  for (const PoseSmoothing& smoothing : {PoseSmoothing{}, PoseSmoothing{.bins = 4.0, .beams = 2.0}}) {
+    model.TakeRepeatShares({std::vector<float>()});
+    const PoseView::Evaluation full = evaluated(smoothing);
+    model.TakeRepeatShares({std::vector<float>(model.pixel_count(), 0.25F)});
+    const PoseView::Evaluation quarter = evaluated(smoothing);
+    EXPECT_GT(full.cost, 1.0);
+    EXPECT_NEAR(quarter.cost, 0.25 * full.cost, 1e-9 * full.cost);
+    EXPECT_TRUE(quarter.score.isApprox(0.25 * full.score, 1e-9));
+    EXPECT_TRUE(quarter.information.isApprox(0.25 * full.information, 1e-9));
+  }
+  std::vector<float> share;
+  for (std::size_t pixel = 0; pixel < model.pixel_count(); ++pixel)
+    share.push_back(0.2F + 0.1F * static_cast<float>(pixel % 7));
+  model.TakeRepeatShares({share});
+  const double traced = model.TracedCost(values, simulator_.options().fan);
+  EXPECT_NEAR(model.speckle_cell().pixels() * evaluated({}).cost, traced, 1e-4 * traced);
+}
+
+// The angles of a pose are named from -180 to 180 degrees. This sonar looks along yaw 180.
+TEST_F(SmallTankFrames, AHeadingNearHalfATurnMovesBySmallSteps) {
+  const Pose pose = SmallTankPoses()[3];
+  const std::vector<AcousticFrame> frames = {Recorded(simulator_, pose, pose, 3)};
+  const AcousticFrameModel model(simulator_, frames, truth_);
+  const std::vector<int> entries = PoseEntries(model.catalog());
+  const ParameterValues& values = model.initial_values();
+  const PoseProblem problem(model, model.catalog(), {}, 8, {0}, entries, values);
+  for (const double turn_deg : {-2.0, 2.0}) {
+    PoseStep step = PoseStep::Zero();
+    step(kTurnOfSonar) = turn_deg;
+    const ParameterValues moved = problem.MovedSonar(values, step);
+    EXPECT_NEAR(StepBetween(pose, model.PoseOf(0, moved))(kTurnOfSonar), turn_deg, 1e-6);
+    for (const int entry : entries)
+      EXPECT_LT(std::abs(moved[entry] - values[entry]), 2.5) << model.catalog()[entry].name;
+  }
+}
+
 TEST(OtherPoses, AFrameGoesToTheBestThatIsBetterByMoreThanAsked) {
   const std::vector<OtherPose> others = {
       {.frame = 0, .entries = {{1, 10.0}, {2, 20.0}}, .worse_by = -5.0, .sentence = {}},
@@ -203,14 +283,7 @@ TEST_F(SmallTankFrames, PosesAreFoundIfAllElseIsKnown) {
   std::vector<AcousticFrame> at_truth = {frames.front()};
   at_truth.front().world_from_sonar = pose;
   const AcousticFrameModel model(simulator, at_truth, truth_);
-  std::vector<int> entries;
-  for (int component = 0; component < kPoseSteps; ++component) {
-    const auto entry =
-        std::find_if(model.catalog().begin(), model.catalog().end(), [&](const CatalogEntry& of) {
-          return of.group == ParameterGroup::kPose && of.frame == 0 && of.index == component;
-        });
-    entries.push_back(static_cast<int>(entry - model.catalog().begin()));
-  }
+  const std::vector<int> entries = PoseEntries(model.catalog());
   const ParameterValues& truth = model.initial_values();
   const PoseProblem problem(model, model.catalog(), {}, 1, {0}, entries, truth);
   const Eigen::MatrixXd information =
@@ -280,15 +353,9 @@ TEST_F(SmallTankFrames, UndeterminedPoseComponentsStayAndAreNamed) {
   EXPECT_TRUE(fit.report.other_poses.empty()) << fit.report.other_poses.front();
 }
 
-// A box in open water, seen from about its middle: mirrored top to bottom it is the same.
 TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
-  Scene box = SmallTank();
-  std::erase_if(box.triangles, [&, i = std::size_t{0}](const auto&) mutable {
-    return box.material_names[box.triangle_material[i++]] == "floor";
-  });
-  box.triangle_material.assign(box.triangles.size(), box.MaterialIndex("box"));
-  const sim::Simulator simulator(box, SmallSonar(), Options());
-  const Pose pose = {RotationFromYawPitchRoll(0.05, -0.04, 0.02), {0.1, -2.3, 0.55}};
+  const sim::Simulator simulator(BoxInOpenWater(), SmallSonar(), Options());
+  const Pose pose = BesideTheMiddle();
   const Pose mirror = ReflectedPose(pose, 0.0, 1.0);
   EXPECT_NEAR(mirror.position_m.z(), 0.45, 1e-12);
   const auto image = [&](const Pose& from) {
@@ -307,6 +374,28 @@ TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
   std::string all;
   for (const std::string& words : fit.report.other_poses) all += words + "\n";
   EXPECT_NE(all.find("pose.2: its mirror image"), std::string::npos) << all;
+}
+
+// A fit that turns past half a turn goes on counting: its heading and the prior then differ by whole turns
+// from the named angles of a pose.
+TEST_F(SmallTankFrames, AMirrorImageIsNamedForAHeadingBeyondHalfATurn) {
+  const sim::Simulator simulator(BoxInOpenWater(), SmallSonar(), Options());
+  const Pose pose = BesideTheMiddle();
+  const std::vector<AcousticFrame> frames = {Recorded(simulator, pose, pose, 2)};
+  const AcousticFrameModel model(simulator, frames, truth_);
+  FitConfig config{.free = std::vector<std::string>{"pose"}};
+  std::vector<CatalogEntry> catalog = model.catalog();
+  ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
+  const std::vector<int> entries = PoseEntries(catalog);
+  ParameterValues values = model.initial_values();
+  const int yaw = entries[kTurnOfSonar];
+  values[yaw] += 360.0;
+  catalog[yaw].prior->coordinate += 360.0;
+  const std::vector<OtherPose> others = OtherPoses(model, catalog, entries, values);
+  EXPECT_TRUE(std::ranges::any_of(others, [](const OtherPose& other) {
+    return other.sentence.find("its mirror image") != std::string::npos;
+  }));
+  for (const OtherPose& other : others) EXPECT_LE(other.worse_by, 4.0) << other.sentence;
 }
 
 // A SYNTHETIC recording made by another kind of simulation: two frames, curves and noise unknown as well.

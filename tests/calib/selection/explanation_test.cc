@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/problem_builder.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "tests/calib/small_tank.h"
@@ -89,6 +90,13 @@ class ExplanationTest : public ::testing::Test {
                          [part](const ExplainedStep& step) { return step.part == part; });
   }
 
+  static Scene OfOneMaterial() {
+    Scene scene = testing::SmallTankWithWall();
+    scene.material_names = {"wall"};
+    std::fill(scene.triangle_material.begin(), scene.triangle_material.end(), std::uint16_t{0});
+    return scene;
+  }
+
   static ExplainOptions Explaining() {
     ExplainOptions options{.simulation = Options()};
     options.fit.max_iterations = 30;
@@ -136,6 +144,16 @@ TEST_F(ExplanationTest, GhostsAreSignificantIfTheTankHasThem) {
     with.receiver.looks = BestLooks(frames.used, mean, with);
     return GreyLikelihood(frames.used, mean, with, 16, 8).PerPixel();
   };
+  // Standard errors contain what neighbouring blocks share at their edges.
+  const std::vector<AcousticFrame> held_out = FramesFor(frames.held_out, ghosts.parameters.display);
+  const double at_edges =
+      BlockSize(AcousticFrameModel(simulator, held_out, ghosts.parameters), Explaining().fit).variance_factor;
+  EXPECT_GT(at_edges, 1.01);
+  for (const ExplainedStep& step : explanation.steps) {
+    EXPECT_DOUBLE_EQ(step.held_out.variance_factor, at_edges);
+    EXPECT_DOUBLE_EQ(step.error_held_out.variance_factor, at_edges);
+    EXPECT_DOUBLE_EQ(step.by_frame.front().likelihood.variance_factor, at_edges);
+  }
   const double cells = explanation.pixels_used / explanation.pixels_per_cell;
   const double nats = cells * (nats_per_pixel(ghosts) - nats_per_pixel(before));
   const int values = ghosts.determined - before.determined;
@@ -183,16 +201,32 @@ TEST_F(ExplanationTest, WithoutMirrorsGhostsAreLeftOutAndCurvesAreNotBentByTheDa
 TEST_F(ExplanationTest, ASingleMaterialMakesNoStep) {
   Frames frames = MakeFrames(Truth(false));
   frames.used.resize(2);
-  Scene scene = testing::SmallTankWithWall();
-  scene.material_names = {"wall"};
-  std::fill(scene.triangle_material.begin(), scene.triangle_material.end(), std::uint16_t{0});
   ParameterSet given = Given();
   given.mirrors.clear();
   const Explanation explanation =
-      Explain(scene, testing::SmallSonar(), frames.used, frames.held_out, given, Explaining());
+      Explain(OfOneMaterial(), testing::SmallSonar(), frames.used, frames.held_out, given, Explaining());
   EXPECT_EQ(explanation.steps.size(), 5U);
   EXPECT_EQ(explanation.left_out.size(), 2U);
   EXPECT_TRUE(explanation.steps.back().parameters.materials.contains("wall"));
+}
+
+// The pulse keeps the value that the step before fitted, so it still counts. Both steps have one curve.
+TEST_F(ExplanationTest, APulseCountsInStepsThatKeepItsFittedValue) {
+  Frames frames = MakeFrames(Truth(false));
+  frames.used.resize(2);
+  ParameterSet given = Given();
+  given.mirrors.clear();
+  given.pulse.length_m = 0.0;
+  const Explanation explanation =
+      Explain(OfOneMaterial(), testing::SmallSonar(), frames.used, frames.held_out, given, Explaining());
+  const ExplainedStep& response = StepOf(explanation, ExplainedPart::kResponse);
+  const auto pulse = std::ranges::find(response.fitted, "pulse.length_m", &FittedParameter::name);
+  ASSERT_NE(pulse, response.fitted.end());
+  ASSERT_NE(pulse->status, ParameterStatus::kUnidentifiable);
+  EXPECT_EQ(response.determined, explanation.steps.front().determined + 1);
+  const ExplainedStep& elevation = StepOf(explanation, ExplainedPart::kElevation);
+  EXPECT_EQ(elevation.determined, response.determined);
+  EXPECT_EQ(elevation.parameters.pulse.length_m, response.parameters.pulse.length_m);
 }
 
 TEST(VerdictOnAStep, AStepIsSignificantOnlyIfLikelihoodAndErrorAgree) {

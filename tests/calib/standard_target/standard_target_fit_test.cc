@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "calib/identifiability.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/physics/absorption.h"
@@ -221,6 +222,20 @@ TEST_F(StandardTargetFitTest, StandardErrorsHold) {
   }
 }
 
+// About their own mean, four levels have three degrees of freedom. Each is measured to about 0.1 dB.
+TEST_F(StandardTargetFitTest, FewFramesGiveTheSpreadOfTheirLevelsAndAWideError) {
+  RecordShortRanges();
+  PlaceSphere(4, 3.0, 3.3, 0.5, 0.0);
+  recording_.level_change_db = {-1.5, -0.5, 0.5, 1.5};
+  const StandardTargetFit fit = Fit();
+  ASSERT_TRUE(fit.usable);
+  ASSERT_EQ(fit.frames.size(), 4U);
+  EXPECT_NEAR(fit.level_spread_db, std::sqrt(5.0 / 3.0), 0.12);
+  const double without_strength_db =
+      std::sqrt(fit.level_sigma_db * fit.level_sigma_db - fit.strength.sigma_db * fit.strength.sigma_db);
+  EXPECT_NEAR(without_strength_db, StudentFactor(3.0) * fit.level_spread_db / std::sqrt(4.0), 0.1);
+}
+
 TEST_F(StandardTargetFitTest, ClippedMissingAndOddSpheresAreLeftOutAndSaidSo) {
   RecordShortRanges();
   PlaceSphere(12, 3.0, 3.3, 0.5, 0.0);
@@ -308,6 +323,8 @@ TEST(SphereStrengthTest, DensityOfWater) {
   EXPECT_NEAR(WaterDensityKgPerM3({.temperature_c = 30.0, .salinity_ppt = 0.0}), 995.65, 1.0);
   EXPECT_NEAR(WaterDensityKgPerM3({.temperature_c = 10.0, .salinity_ppt = 35.0}), 1026.95, 1.0);
   EXPECT_NEAR(WaterDensityKgPerM3({.temperature_c = 25.0, .salinity_ppt = 35.0}), 1023.34, 1.0);
+  // The largest error within 0..30 C and 0..40 ppt.
+  EXPECT_NEAR(WaterDensityKgPerM3({.temperature_c = 0.0, .salinity_ppt = 40.0}), 1032.15, 1.3);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
+#include <utility>
 
 #include "core/types/units.h"
 
@@ -53,6 +55,7 @@ TEST_F(TargetPositionTest, FindsTheTargetAmongOtherEchoes) {
   const TargetLocation found = LocateTarget(sights, kTolerance);
   ASSERT_TRUE(found.position.has_value()) << found.why_not;
   EXPECT_LT((found.position->position_m - target_m_).norm(), 0.01);
+  EXPECT_FALSE(found.position->mirror_m.has_value()) << "the sonar was raised and lowered";
   for (int i = 0; i < 30; ++i) {
     EXPECT_EQ(found.position->agrees[i], i % 3 != 0) << i;
     const Pose& pose = sights[i].world_from_sonar;
@@ -63,6 +66,39 @@ TEST_F(TargetPositionTest, FindsTheTargetAmongOtherEchoes) {
   // RMS of the errors put in, for 20 sights.
   EXPECT_NEAR(found.position->range_error_m, 0.003, 0.0015);
   EXPECT_NEAR(found.position->azimuth_error_rad, 0.0005, 0.00025);
+}
+
+// From half a metre below the plane z = 0, without looking up or down.
+TEST_F(TargetPositionTest, ALevelSonarDoesNotTellAboveFromBelow) {
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  std::vector<TargetSight> sights;
+  for (int i = 0; i < 30; ++i)
+    sights.push_back(
+        SightFrom({uniform(random_), -3.0 + uniform(random_), -0.5}, 20.0 * uniform(random_), 0.0));
+  const TargetLocation found = LocateTarget(sights, kTolerance);
+  ASSERT_TRUE(found.position.has_value()) << found.why_not;
+  ASSERT_TRUE(found.position->mirror_m.has_value());
+  Eigen::Vector3d above_m = found.position->position_m;
+  Eigen::Vector3d below_m = *found.position->mirror_m;
+  if (above_m.z() < below_m.z()) std::swap(above_m, below_m);
+  EXPECT_LT((above_m - target_m_).norm(), 0.05);
+  EXPECT_LT((below_m - Eigen::Vector3d(0.1, 0.2, -1.3)).norm(), 0.05);
+}
+
+// A sonar that stays at one height and tilts, with the target always in the middle of its beams. Above and
+// below differ in the elevations, not in range and azimuth.
+TEST_F(TargetPositionTest, AMirrorImageWithOtherElevationsIsRefused) {
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  std::vector<TargetSight> sights;
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3d from_m(uniform(random_), -3.0 + uniform(random_), -0.5);
+    const Eigen::Vector3d away_m = target_m_ - from_m;
+    sights.push_back(
+        SightFrom(from_m, DegFromRad(std::atan2(-away_m.x(), away_m.y())), 10.0 * uniform(random_)));
+  }
+  const TargetLocation found = LocateTarget(sights, kTolerance);
+  EXPECT_FALSE(found.position.has_value());
+  EXPECT_THAT(found.why_not, HasSubstr("do not tell the elevation"));
 }
 
 TEST_F(TargetPositionTest, SaysWhyThereIsNone) {
