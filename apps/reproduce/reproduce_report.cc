@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/report/html/html_text.h"
 #include "apps/report/html/report_end.h"
 #include "apps/report/pictures/sonar_picture.h"
 #include "apps/report/sections/agreement_section.h"
@@ -50,9 +51,10 @@ void AddOccupancyTable(report::HtmlReport& report, const SyntheticComparison& sy
         {{fmt::format("Data set {} (held-out {})", set + 1, report::NamedFrames(data.frames))},
          report::RowStyle::kGroup});
     add("paper model, its own values (synthetic)", data.before.macro.polar, report::RowStyle::kPlain);
-    add(FittedName(synthetic.fit) + " (synthetic)", data.after.macro.polar, FittedStyle(synthetic.fit));
-    add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample.macro.polar,
-        report::RowStyle::kStrong);
+    add(FittedName("paper model", synthetic.fit) + " (synthetic)", data.after.macro.polar,
+        FittedStyle(synthetic.fit));
+    add(FittedName("acoustic model", synthetic.acoustic) + ", a speckled sample (synthetic)",
+        data.acoustic_sample.macro.polar, FittedStyle(synthetic.acoustic));
     table.rows.push_back({{"published (other recordings)", fmt::format("{:.2f}", paper.ns_over_nr),
                            fmt::format("{:.2f}", paper.na_over_ns), fmt::format("{:.2f}", paper.na_over_nr)},
                           report::RowStyle::kMuted});
@@ -84,12 +86,12 @@ void AddIntensityTable(report::HtmlReport& report, const SyntheticComparison& sy
     const SyntheticCase::DataSet& paper = SyntheticOf(synthetic.plan).data_sets[set];
     table.rows.push_back({{fmt::format("Data set {}", set + 1)}, report::RowStyle::kGroup});
     add("paper model, its own values (synthetic)", data.before, "", report::RowStyle::kPlain);
-    add(FittedName(synthetic.fit) + " (synthetic)", data.after, fmt::format("{:.2f}", data.simulation_time_s),
-        FittedStyle(synthetic.fit));
-    add("acoustic model, fitted, expected image (synthetic)", data.acoustic_expected, "",
-        report::RowStyle::kStrong);
-    add("acoustic model, fitted, a speckled sample (synthetic)", data.acoustic_sample, "",
-        report::RowStyle::kPlain);
+    add(FittedName("paper model", synthetic.fit) + " (synthetic)", data.after,
+        fmt::format("{:.2f}", data.simulation_time_s), FittedStyle(synthetic.fit));
+    const std::string acoustic = FittedName("acoustic model", synthetic.acoustic);
+    add(acoustic + ", expected image (synthetic)", data.acoustic_expected, "",
+        FittedStyle(synthetic.acoustic));
+    add(acoustic + ", a speckled sample (synthetic)", data.acoustic_sample, "", report::RowStyle::kPlain);
     table.rows.push_back(
         {{"published (other recordings)", fmt::format("{:.2f}", paper.intensity_fan),
           fmt::format("{:.2f}", paper.intensity_polar), fmt::format("{:.2f}", paper.simulation_time_s)},
@@ -197,11 +199,12 @@ void AddOpening(report::HtmlReport& report, const Reproduction& reproduction) {
 void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
   const metrics::IntensityDomain domain = reproduction.synthetic.fit.after.options.intensity_domain;
   const auto figures_of = [&](const std::string& what, const workflow::RecordingFit& paper,
-                              const metrics::MetricsReport& acoustic, const metrics::MetricsReport& sample) {
+                              const std::string& model, const metrics::MetricsReport& acoustic,
+                              const metrics::MetricsReport& sample) {
     const metrics::ViewSummary& p = (IsSound(paper) ? paper.after : paper.before).aggregate.macro.polar;
     const metrics::ViewSummary& a = acoustic.aggregate.macro.polar;
     const metrics::ViewSummary& s = sample.aggregate.macro.polar;
-    const auto figure = [&](const char* label, const metrics::ViewSummary& view, const char* image) {
+    const auto figure = [&](const char* label, const metrics::ViewSummary& view, const std::string& image) {
       const bool iou = std::string_view(label) == "IoU of the object";
       return report::KeyFigure{
           .label = fmt::format("{}, {}", what, label),
@@ -212,26 +215,35 @@ void AddSummary(report::HtmlReport& report, const Reproduction& reproduction) {
     constexpr const char* kIou = "IoU of the object";
     constexpr const char* kError = "intensity error";
     // The key figures show no doubtful fit.
-    const char* paper_image = IsSound(paper) ? "paper model, fitted: expected image"
-                                             : "paper model, its own values: expected image";
-    return std::vector<report::KeyFigure>{figure(kIou, p, paper_image),
-                                          figure(kError, p, paper_image),
-                                          figure(kIou, a, "acoustic model, fitted: expected image"),
-                                          figure(kError, a, "acoustic model, fitted: expected image"),
-                                          figure(kIou, s, "acoustic model, fitted: speckled sample"),
-                                          figure(kError, s, "acoustic model, fitted: speckled sample")};
+    const std::string paper_image = IsSound(paper) ? "paper model, fitted: expected image"
+                                                   : "paper model, its own values: expected image";
+    const std::string expected_image = model + ": expected image";
+    const std::string sample_image = model + ": speckled sample";
+    return std::vector<report::KeyFigure>{figure(kIou, p, paper_image),    figure(kError, p, paper_image),
+                                          figure(kIou, a, expected_image), figure(kError, a, expected_image),
+                                          figure(kIou, s, sample_image),   figure(kError, s, sample_image)};
   };
+  constexpr const char* kFitted = "acoustic model, fitted";
   const SyntheticComparison& synthetic = reproduction.synthetic;
+  const workflow::RecordingFit& acoustic_fit = synthetic.acoustic;
+  const std::string of_synthetic = synthetic.plan.label + " (synthetic)";
   std::vector<report::KeyFigure> figures =
-      figures_of(synthetic.plan.label + " (synthetic)", synthetic.fit, synthetic.acoustic.after,
-                 *synthetic.acoustic.sample_after);
+      IsSound(acoustic_fit)
+          ? figures_of(of_synthetic, synthetic.fit, kFitted, acoustic_fit.after, *acoustic_fit.sample_after)
+          : figures_of(of_synthetic, synthetic.fit, "acoustic model, before its fit", acoustic_fit.before,
+                       *acoustic_fit.sample_before);
   for (const TargetResult& target : reproduction.targets) {
     if (!target.comparison) continue;
     const TargetComparison::Fitted& fitted = target.comparison->fitted;
     const workflow::RecordingFit& paper = target.comparison->paper;
     if (!paper.fit.usable || !fitted.acoustic.fit.usable) continue;
+    const std::string name = fmt::format("{} ({})", target.comparison->plan.label,
+                                         report::RealWord(target.comparison->info.synthetic));
     const auto of_target =
-        figures_of(target.comparison->plan.label + " (recorded)", paper, fitted.expected, fitted.samples);
+        IsSound(fitted.acoustic)
+            ? figures_of(name, paper, kFitted, fitted.expected, fitted.samples)
+            : figures_of(name, paper, "acoustic model of the search", target.comparison->acoustic_expected,
+                         target.comparison->acoustic_samples);
     figures.insert(figures.end(), of_target.begin(), of_target.end());
   }
   report.KeyFigures(figures);
@@ -244,7 +256,7 @@ Json TargetJson(const TargetResult& result) {
   if (!result.comparison) return {{"absent_because", result.absent}};
   const TargetComparison& target = *result.comparison;
   const calib::TargetPose& pose = target.pose.best().pose;
-  Json json = {{"synthetic", false},
+  Json json = {{"synthetic", target.info.synthetic},
                {"known_beforehand", KnownSentences(target.plan)},
                {"pose",
                 {{"range_m", pose.range_m},

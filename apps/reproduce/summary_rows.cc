@@ -2,23 +2,27 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/report/html/html_text.h"
+
 namespace sonarcal::reproduce {
 
 bool IsSound(const workflow::RecordingFit& fit) {
   return fit.fit.report.warnings.empty();
 }
 
-std::string FittedName(const workflow::RecordingFit& fit) {
-  return IsSound(fit) ? "paper model, fitted" : "paper model, fitted (doubtful)";
+std::string FittedName(const std::string& model, const workflow::RecordingFit& fit) {
+  return model + (IsSound(fit) ? ", fitted" : ", fitted (doubtful)");
 }
 
 std::vector<SummaryRow> SyntheticRows(const SyntheticComparison& synthetic) {
+  const std::string acoustic = FittedName("acoustic model", synthetic.acoustic);
+  const bool sound = IsSound(synthetic.acoustic);
   return {{"paper_initial", "paper model, its own values", &synthetic.fit.before},
-          {"paper_fitted", FittedName(synthetic.fit), &synthetic.fit.after, IsSound(synthetic.fit)},
+          {"paper_fitted", FittedName("paper model", synthetic.fit), &synthetic.fit.after,
+           IsSound(synthetic.fit)},
           {"acoustic_initial", "acoustic model, before its fit, expected image", &synthetic.acoustic.before},
-          {"acoustic_expected", "acoustic model, fitted, expected image", &synthetic.acoustic.after, true},
-          {"acoustic_sample", "acoustic model, fitted, a speckled sample", &*synthetic.acoustic.sample_after,
-           true}};
+          {"acoustic_expected", acoustic + ", expected image", &synthetic.acoustic.after, sound},
+          {"acoustic_sample", acoustic + ", a speckled sample", &*synthetic.acoustic.sample_after, sound}};
 }
 
 std::vector<SummaryRow> TargetRows(const TargetComparison& target) {
@@ -26,18 +30,22 @@ std::vector<SummaryRow> TargetRows(const TargetComparison& target) {
   const TargetComparison::Fitted& fitted = target.fitted;
   if (target.paper.fit.usable) {
     rows.push_back({"paper_initial", "paper model, its own values", &target.paper.before});
-    rows.push_back({"paper_fitted", FittedName(target.paper), &target.paper.after, IsSound(target.paper)});
+    rows.push_back({"paper_fitted", FittedName("paper model", target.paper), &target.paper.after,
+                    IsSound(target.paper)});
   }
   rows.push_back(
       {"acoustic_found_expected", "acoustic model of the search, expected image", &target.acoustic_expected});
   rows.push_back(
       {"acoustic_found_samples", "acoustic model of the search, speckled samples", &target.acoustic_samples});
   if (fitted.acoustic.fit.usable) {
-    rows.push_back({"acoustic_expected", "acoustic model, fitted, expected image", &fitted.expected, true});
-    rows.push_back({"acoustic_samples", "acoustic model, fitted, speckled samples", &fitted.samples, true});
+    const std::string acoustic = FittedName("acoustic model", fitted.acoustic);
+    const bool sound = IsSound(fitted.acoustic);
+    rows.push_back({"acoustic_expected", acoustic + ", expected image", &fitted.expected, sound});
+    rows.push_back({"acoustic_samples", acoustic + ", speckled samples", &fitted.samples, sound});
     rows.push_back({"floor", "the expected image against its own samples", &fitted.floor, false, true});
   }
-  rows.push_back({"real_against_real", "the other recorded frame", &target.real_against_real, false, true});
+  rows.push_back({"real_against_real", "the other " + report::RealWord(target.info.synthetic) + " frame",
+                  &target.real_against_real, false, true});
   return rows;
 }
 

@@ -21,8 +21,8 @@ struct SummaryRow {
 // Whether a fit has no warnings. One that has is not printed in bold.
 bool IsSound(const workflow::RecordingFit& fit);
 
-// A row's name for a fit of the paper's model.
-std::string FittedName(const workflow::RecordingFit& fit);
+// "MODEL, fitted", and "(doubtful)" if the fit has warnings.
+std::string FittedName(const std::string& model, const workflow::RecordingFit& fit);
 
 // On the held-out frames of a synthetic case.
 std::vector<SummaryRow> SyntheticRows(const SyntheticComparison& synthetic);

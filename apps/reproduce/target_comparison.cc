@@ -10,6 +10,7 @@
 #include "core/math/statistics.h"
 #include "core/types/units.h"
 #include "data_io/recordings/recording_io.h"
+#include "sim/paper/paper_image.h"
 #include "sim/paper/paper_values.h"
 
 namespace sonarcal::reproduce {
@@ -45,6 +46,16 @@ workflow::IncidenceRange IncidenceOf(const sim::EchoList& echoes) {
   return {.low_deg = at(0.001), .high_deg = at(0.999)};
 }
 
+// All frames of a recording of a static scene, from one pose.
+std::vector<Frame> FramesFrom(const Pose& world_from_sonar, const RecordingSource& recorded) {
+  std::vector<Frame> frames;
+  for (int i = 0; i < recorded.frame_count(); ++i) {
+    frames.push_back(recorded.ReadFrame(i));
+    frames.back().info.world_from_sonar = world_from_sonar;
+  }
+  return frames;
+}
+
 class Comparison {
  public:
   Comparison(const CasePlan& plan, const std::filesystem::path& images,
@@ -55,9 +66,9 @@ class Comparison {
         recorded_(OpenTarget(plan, images)) {
     comparison_.segmentation = target_.segmentation;
     frames_ = {recorded_->ReadFrame(target_.fitted_frame), recorded_->ReadFrame(target_.held_out_frame)};
-    water_ = WaterOf(target_, recorded_->info());
     result_.plan = plan;
-    result_.info = recorded_->info();
+    result_.info = InfoOf(target_, *recorded_);
+    water_ = result_.info.water.value_or(Water{});
   }
 
   TargetComparison Run() {
@@ -67,7 +78,8 @@ class Comparison {
     result_.paper = FitPaper();
     Say("fitting the acoustic model at the pose found");
     FitAcoustic();
-    result_.real_against_real = Compare({frames_[1]}, {frames_[0].image}, "the other recorded frame", false);
+    result_.real_against_real =
+        Compare({frames_[1]}, {frames_[0].image}, "the other frame", result_.info.synthetic);
     return std::move(result_);
   }
 
@@ -87,7 +99,7 @@ class Comparison {
       locate.max_iterations = 5;
     }
     workflow::Location location =
-        workflow::Locate(*recorded_, target_.scene, {target_.fitted_frame}, locate, {},
+        workflow::Locate(MemoryRecording(result_.info, {frames_[0]}), target_.scene, {0}, locate, {},
                          {.progress = {}, .message = options_.on_note, .stop = {}});
     result_.pose = std::move(location.frames.front().search);
     result_.acoustic = std::move(location.parameters);
@@ -95,28 +107,28 @@ class Comparison {
 
   // A static scene: both frames have one pose.
   workflow::RecordingFit FitPaper() const {
-    RecordingInfo info = recorded_->info();
+    RecordingInfo info = result_.info;
     info.sonar.elevation_beam_width_deg = target_.elevation_span_deg;
     info.water = water_;
-    std::vector<Frame> frames = frames_;
-    for (Frame& frame : frames) frame.info.world_from_sonar = result_.pose.best().WorldFromSonar();
     workflow::FitRecordingOptions fit;
     fit.rays = Rays();
     fit.comparison = comparison_;
     fit.fit.progress = options_.on_note;
     fit.fit.starts = options_.quick ? 1 : 4;
     fit.on_note = options_.on_note;
-    fit.config.held_out = {1};
+    fit.config.used = {target_.fitted_frame};
+    fit.config.held_out = {target_.held_out_frame};
     // Errors are bounded by what is known of pulse and beam. Wider ones would smear the object over the
     // background that the model does not have.
     fit.config.bounds["jitter.sigma_range_m"] = {1e-4, 2.0 * info.sonar.axes.range_bin_m()};
     fit.config.bounds["jitter.sigma_azimuth_deg"] = {1e-3, target_.azimuth_beam_width_deg};
-    fit.pixels = AroundObject(frames[0].image, comparison_.segmentation);
+    fit.pixels = AroundObject(frames_[0].image, comparison_.segmentation);
     fit.fit.block_beams = 4;
     SonarModel sonar = info.sonar;
     sonar.azimuth_beam_width_deg = target_.azimuth_beam_width_deg;
-    return workflow::FitRecording(MemoryRecording(info, frames), target_.scene,
-                                  sim::PaperValues(sonar, target_.scene.material_names), fit);
+    return workflow::FitRecording(
+        MemoryRecording(info, FramesFrom(result_.pose.best().WorldFromSonar(), *recorded_)), target_.scene,
+        sim::PaperValues(sonar, target_.scene.material_names), fit);
   }
 
   void EvaluateAsFound() {
@@ -125,18 +137,29 @@ class Comparison {
     simulation.fan.elevation_span_deg = target_.elevation_span_deg;
     const sim::Simulator simulator(target_.scene, recorded_->info().sonar, simulation);
     const sim::EchoList echoes = simulator.TraceEchoes(result_.pose.best().WorldFromSonar());
-    result_.acoustic_expected = Compare({frames_[1]}, {simulator.RenderExpected(echoes, result_.acoustic)},
-                                        "expected image of the acoustic model", true);
+    result_.acoustic_expected =
+        Compare({frames_[1]}, {OnRecordedScale(simulator.RenderExpected(echoes, result_.acoustic))},
+                "expected image of the acoustic model", true);
     result_.acoustic_samples = CompareSamples(Samples(simulator, echoes, result_.acoustic),
                                               "speckled samples of the acoustic model");
   }
 
-  static std::vector<PolarImage> Samples(const sim::Simulator& simulator, const sim::EchoList& echoes,
-                                         const ParameterSet& parameters) {
+  // A simulated image in whole grey levels of the held-out frame.
+  PolarImage OnRecordedScale(PolarImage image) const {
+    const ImageScale& scale = frames_[1].image.scale;
+    const double factor = scale.full_scale / image.scale.full_scale;
+    for (float& value : image.value.values()) value = static_cast<float>(value * factor);
+    sim::QuantiseImage(image);
+    image.scale = scale;
+    return image;
+  }
+
+  std::vector<PolarImage> Samples(const sim::Simulator& simulator, const sim::EchoList& echoes,
+                                  const ParameterSet& parameters) const {
     std::vector<PolarImage> samples;
     samples.reserve(TargetComparison::kDraws);
     for (int draw = 0; draw < TargetComparison::kDraws; ++draw)
-      samples.push_back(simulator.RenderEchoes(echoes, parameters, draw));
+      samples.push_back(OnRecordedScale(simulator.RenderEchoes(echoes, parameters, draw)));
     return samples;
   }
 
@@ -160,13 +183,14 @@ class Comparison {
     calib::TargetFit fit = calib::FitTarget(target_.scene, sonar, water_, image, result_.pose.best().pose,
                                             fitted.acoustic.initial, options);
     fitted.acoustic.fit = {std::move(fit.fit.parameters), std::move(fit.fit.report), fit.fit.usable};
-    fitted.acoustic.fit.report.frames_held_out = {1};
+    fitted.acoustic.fit.report.frames_used = {target_.fitted_frame};
+    fitted.acoustic.fit.report.frames_held_out = {target_.held_out_frame};
     if (!fit.fit.usable) return;
     const sim::Simulator simulator(fit.placed, sonar, fit.simulation);
     const sim::EchoList echoes = simulator.TraceEchoes(fit.fit.world_from_sonar[0]);
     fitted.acoustic.seen[material_] = IncidenceOf(echoes);
     const ParameterSet& parameters = fitted.acoustic.fit.parameters;
-    const PolarImage expected = simulator.RenderExpected(echoes, parameters);
+    const PolarImage expected = OnRecordedScale(simulator.RenderExpected(echoes, parameters));
     fitted.expected = Compare({frames_[1]}, {expected}, "expected image of the fitted acoustic model", true,
                               &fitted.expected_frames);
     const std::vector<PolarImage> samples = Samples(simulator, echoes, parameters);
@@ -179,28 +203,27 @@ class Comparison {
                            "expected image against its own samples", true);
   }
 
-  // Images in the place of recorded frames, one by one.
-  metrics::MetricsReport Compare(const std::vector<Frame>& real, std::vector<PolarImage> images,
+  // Images in the place of the held-out frame, one by one.
+  metrics::MetricsReport Compare(const std::vector<Frame>& real, const std::vector<PolarImage>& images,
                                  const std::string& name, bool synthetic,
                                  std::vector<workflow::ComparedFrame>* compared = nullptr) const {
-    const RecordingInfo& info = recorded_->info();
+    const RecordingInfo& info = result_.info;
     RecordingInfo simulated = info;
     simulated.source = name;
     simulated.synthetic = synthetic;
     std::vector<Frame> frames;
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      images[i].scale = real[i].image.scale;
-      frames.push_back({real[i].info, std::move(images[i])});
-    }
+    for (std::size_t i = 0; i < images.size(); ++i) frames.push_back({real[i].info, images[i]});
     const workflow::CompareRecordingsOptions compare{
         .compare = comparison_, .as_displayed = true, .noise_floor = false};
-    return workflow::CompareRecordings(
+    metrics::MetricsReport report = workflow::CompareRecordings(
         MemoryRecording(info, real), MemoryRecording(simulated, std::move(frames)), compare,
         [&](const PolarImage& r, const PolarImage& s, const metrics::FrameMetrics& metrics) {
           if (compared == nullptr) return;
           compared->push_back({r, s, metrics});
-          compared->back().metrics.index = 1;  // in the recording
+          compared->back().metrics.index = target_.held_out_frame;
         });
+    for (metrics::FrameMetrics& frame : report.frames) frame.index = target_.held_out_frame;
+    return report;
   }
 
   workflow::RayOptions Rays() const {
@@ -240,8 +263,10 @@ std::unique_ptr<RecordingSource> OpenTarget(const CasePlan& plan, const std::fil
   return recording;
 }
 
-Water WaterOf(const TargetCase& target, const RecordingInfo& info) {
-  return target.water.value_or(info.water.value_or(Water{}));
+RecordingInfo InfoOf(const TargetCase& target, const RecordingSource& recorded) {
+  RecordingInfo info = recorded.info();
+  if (target.water) info.water = target.water;
+  return info;
 }
 
 ParameterSet TargetStart(const TargetCase& target, const PolarImage& image) {
@@ -253,13 +278,9 @@ ParameterSet TargetStart(const TargetCase& target, const PolarImage& image) {
 PosedTarget PoseTarget(const CasePlan& plan, const std::filesystem::path& images) {
   const TargetCase& target = TargetOf(plan);
   const auto recorded = OpenTarget(plan, images);
-  RecordingInfo info = recorded->info();
+  RecordingInfo info = InfoOf(target, *recorded);
   info.sonar.elevation_beam_width_deg = target.elevation_span_deg;
-  std::vector<Frame> frames;
-  for (int i = 0; i < recorded->frame_count(); ++i) {
-    frames.push_back(recorded->ReadFrame(i));
-    frames.back().info.world_from_sonar = target.pose.WorldFromSonar();
-  }
+  std::vector<Frame> frames = FramesFrom(target.pose.WorldFromSonar(), *recorded);
   ParameterSet start = TargetStart(target, frames.at(target.fitted_frame).image);
   return {std::make_unique<MemoryRecording>(std::move(info), std::move(frames)), target.scene,
           std::move(start)};

@@ -54,8 +54,8 @@ const TargetCase& TargetOf(const CasePlan& plan);
 // folder `images`, the fitted frame or the held-out frame is missing.
 std::unique_ptr<RecordingSource> OpenTarget(const CasePlan& plan, const std::filesystem::path& images);
 
-// Water of the plan, else of the recording, else the default.
-Water WaterOf(const TargetCase& target, const RecordingInfo& info);
+// Data about the recording, with the water of the plan if the plan states one.
+RecordingInfo InfoOf(const TargetCase& target, const RecordingSource& recorded);
 
 // The start of the case with the display of the background of `image`.
 ParameterSet TargetStart(const TargetCase& target, const PolarImage& image);

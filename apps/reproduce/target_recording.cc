@@ -37,8 +37,7 @@ Frame ReadOtherView(const TargetCase::OtherView& other, const RecordingInfo& inf
   frame.info.name = file.filename().string();
   frame.info.settings = info.settings;
   frame.image.axes = info.sonar.axes;
-  frame.image.scale = info.scale;
-  frame.image.scale.db_span = other.db_span;
+  frame.image.scale.db_span = other.db_span;  // full scale: 255, that of a picture
   frame.image.value =
       data_io::SampleFan(data_io::OpenPictures(file)->Read(0), other.fan, info.sonar.axes, file.string());
   return frame;
@@ -53,7 +52,7 @@ calib::TargetFit Fit(const TargetCase& target, const RecordingInfo& info, const 
     fit.fit.max_iterations = 15;
   }
   calib::TargetFit result =
-      calib::FitTarget(target.scene, info.sonar, WaterOf(target, info), image, pose, initial, fit);
+      calib::FitTarget(target.scene, info.sonar, info.water.value_or(Water{}), image, pose, initial, fit);
   if (!result.fit.usable) {
     throw DataError("{}: the fit of the target ended without a usable solution ({})", info.source,
                     result.fit.report.termination);
@@ -76,7 +75,7 @@ PreparedRecording PrepareTarget(const CasePlan& plan, const std::filesystem::pat
   };
   const TargetCase& target = TargetOf(plan);
   const auto recorded = OpenTarget(plan, images);
-  RecordingInfo info = recorded->info();
+  RecordingInfo info = InfoOf(target, *recorded);
   std::vector<Frame> frames = {recorded->ReadFrame(target.fitted_frame),
                                recorded->ReadFrame(target.held_out_frame)};
   if (target.other) frames.push_back(ReadOtherView(*target.other, info, images));

@@ -23,14 +23,13 @@ std::string Figure(const metrics::Statistic& statistic, int digits) {
 void AddPose(report::HtmlReport& report, const TargetComparison& target) {
   const calib::TargetPose& pose = target.pose.best().pose;
   report.Subsection("The pose, found by a search");
-  report.Facts(
-      {{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
-       {"Azimuth", fmt::format("{:.2f} deg", DegFromRad(pose.azimuth_rad))},
-       {"Elevation", fmt::format("{:.1f} deg (hardly seen)", DegFromRad(pose.elevation_rad))},
-       {"Yaw of the nose", fmt::format("{:.1f} deg, from the right towards ahead", DegFromRad(pose.yaw_rad))},
-       {"Pitch of the nose", fmt::format("{:.1f} deg", DegFromRad(pose.pitch_rad))},
-       {"Difference of the smoothed images",
-        fmt::format("{:.4f} rms of full scale", std::sqrt(target.pose.best().cost))}});
+  report.Facts({{"Range of the middle", fmt::format("{:.3f} m", pose.range_m)},
+                {"Azimuth", fmt::format("{:.2f} deg", DegFromRad(pose.azimuth_rad))},
+                {"Elevation", fmt::format("{:.1f} deg (hardly seen)", DegFromRad(pose.elevation_rad))},
+                {"Yaw", fmt::format("{:.1f} deg, from the right towards ahead", DegFromRad(pose.yaw_rad))},
+                {"Pitch", fmt::format("{:.1f} deg, up", DegFromRad(pose.pitch_rad))},
+                {"Difference of the smoothed images",
+                 fmt::format("{:.4f} rms of full scale", std::sqrt(target.pose.best().cost))}});
   report::AddCandidates(report, target.pose);
   report.Paragraph("One frame does not tell:");
   report.List(target.pose.open);
@@ -59,25 +58,30 @@ void AddModels(report::HtmlReport& report, const TargetComparison& target) {
   report.Subsection("Both models on the other frame");
   report.Callout(report::CalloutKind::kLimit, "The paper model's own values", sim::kPaperDisplayRule);
   report::AddFitWarnings(report, target.paper.fit.report, "paper model");
+  report::AddFitWarnings(report, target.fitted.acoustic.fit.report, "acoustic model");
+  const bool synthetic = target.info.synthetic;
+  const std::string real = report::RealWord(synthetic);
   report.Add(RowTable(
-      TargetRows(target), "The frame that was not fitted (recorded by a sonar), polar image",
-      {"Intensity errors are mean absolute differences of grey levels over full scale. "
-       "The frames' grey levels were stretched over their own range before they were published.",
+      TargetRows(target), fmt::format("The frame that was not fitted ({}), polar image", real),
+      {"Intensity errors are mean absolute differences of grey levels over full scale.",
        fmt::format(
            "Speckled samples: means of {}. Take the occupancy of the acoustic model from them: no detector "
            "finds an object of speckle in an image without any, and the expected image's union is wide.",
            TargetComparison::kDraws),
-       "The expected image against its own samples: what speckle leaves of the error, were the model right. "
-       "The other recorded frame has the speckle of the one judged, which no simulation has.",
+       fmt::format(
+           "The expected image against its own samples: what speckle leaves of the error, were the model "
+           "right. The other {} frame has the speckle of the one judged, which no simulation has.",
+           real),
        "The acoustic model of the search has a noise floor read off the fitted frame's background, and the "
        "strength found with the pose. Its curve is not fitted.",
-       "Every figure is of one recorded frame, so no interval can be given."}));
+       fmt::format("Every figure is of one {} frame, so no interval can be given.", real)}));
   report.Paragraph(
-      "The paper's model has no background and sums decibels; the noise floor and the responses of beam and "
-      "pulse, which the acoustic model has, are what brings the simulated image near the recorded one.");
+      fmt::format("The paper's model has no background and sums decibels; the noise floor and the responses "
+                  "of beam and pulse, which the acoustic model has, are what brings the simulated image near "
+                  "the {} one.",
+                  real));
   const TargetComparison::Fitted& fitted = target.fitted;
-  const bool synthetic = target.info.synthetic;
-  report::AddPictureLegend(report, report::RealWord(synthetic));
+  report::AddPictureLegend(report, real);
   const report::ShownFrames paper = report::ShowFit(target.paper);
   for (const workflow::ComparedFrame& frame : paper.examples)
     report::AddFramePictures(report, frame, "The paper's model, fitted", synthetic);
@@ -138,9 +142,11 @@ void AddTarget(report::HtmlReport& report, const TargetComparison& target) {
   const TargetCase& study = TargetOf(target.plan);
   report.Section(study.heading);
   report.Paragraph(study.about);
+  report.List(target.info.notes);
   AddKnown(report, target.plan);
   report.Callout(report::CalloutKind::kLimit, "What the held-out frame cannot show", study.limit);
-  report.Paragraph("How the target is found: " + report::DetectorText(target.acoustic_expected.options));
+  report.Paragraph("How the target is found: " +
+                   report::DetectorText(target.acoustic_expected.options, target.info.synthetic));
   AddPose(report, target);
   AddModels(report, target);
 }

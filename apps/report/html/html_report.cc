@@ -270,6 +270,10 @@ void HtmlReport::Add(const PictureRow& row) {
       shown.push_back(&picture);
     } else if (at->second <= figure_count_) {
       caption += fmt::format(" {}: as in figure {}.", picture.caption, at->second);
+    } else {
+      const auto same =
+          std::ranges::find(shown, Hash(picture), [](const Picture* other) { return Hash(*other); });
+      caption += fmt::format(" {}: the same picture as {}.", picture.caption, (*same)->caption);
     }
   }
   if (shown.empty()) {

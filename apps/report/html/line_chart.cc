@@ -50,9 +50,11 @@ Scale MakeScale(const ChartAxis& axis, double data_min, double data_max, int tic
   double min = axis.min.value_or(data_min);
   double max = axis.max.value_or(data_max);
   if (!(max - min > 1e-12 * std::max(std::abs(min), std::abs(max)))) {  // a constant
-    const double margin = min == 0.0 ? 1.0 : 0.5 * std::abs(min);
-    max = min + margin;
-    min -= margin;
+    SONARCAL_CHECK(!axis.min || !axis.max, "axis '{}' from {} to {}", axis.label, min, max);
+    const double at = axis.max ? max : min;
+    const double margin = at == 0.0 ? 1.0 : 0.5 * std::abs(at);
+    if (!axis.min) min = at - margin;
+    if (!axis.max) max = at + margin;
   }
   Scale scale;
   scale.step = NiceStep(max - min, tick_count);
@@ -92,6 +94,20 @@ Scales FitScales(const LineChart& chart) {
   }
   return {MakeScale(chart.x, bounds[0][0], bounds[0][1], 6),
           MakeScale(chart.y, bounds[1][0], bounds[1][1], 5)};
+}
+
+// Values without a neighbour. They make no line, so they are drawn as points.
+ChartSeries Isolated(const ChartSeries& series) {
+  const auto has_value = [&](std::size_t i) {
+    return i < series.x.size() && std::isfinite(series.x[i]) && std::isfinite(series.y[i]);
+  };
+  ChartSeries isolated{.name = series.name, .x = {}, .y = {}};
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    if (!has_value(i) || (i > 0 && has_value(i - 1)) || has_value(i + 1)) continue;
+    isolated.x.push_back(series.x[i]);
+    isolated.y.push_back(series.y[i]);
+  }
+  return isolated;
 }
 
 std::string AxisText(const ChartAxis& axis) {
@@ -278,7 +294,10 @@ std::string PlotSvg(const LineChart& chart) {
   drawing.ClosePlot();
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
-    if (series.style == SeriesStyle::kPoints) drawing.Points(series, ColourOf(series, i));
+    if (series.style == SeriesStyle::kPoints)
+      drawing.Points(series, ColourOf(series, i));
+    else if (series.style != SeriesStyle::kBand)
+      drawing.Points(Isolated(series), ColourOf(series, i));
   }
   return drawing.svg();
 }

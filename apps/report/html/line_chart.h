@@ -21,7 +21,8 @@ enum class SeriesStyle { kLine, kDashed, kPoints, kBand };  // kBand: the band a
 struct ChartSeries {
   std::string name;
   std::vector<double> x;
-  std::vector<double> y;  // a value that is not finite interrupts line and band
+  // A value that is not finite interrupts line and band. A value without a neighbour is drawn as a point.
+  std::vector<double> y;
   SeriesStyle style = SeriesStyle::kLine;
   std::vector<double> low = {};  // band, one value per x; empty: none
   std::vector<double> high = {};

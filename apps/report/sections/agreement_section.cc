@@ -217,7 +217,8 @@ void AddGreyLevels(HtmlReport& report, const metrics::MetricsReport& metrics) {
   for (const auto& [domain, name] : {std::pair{metrics::LevelDomain::kUnion, "Object regions"},
                                      std::pair{metrics::LevelDomain::kWhole, "Whole image"}}) {
     const metrics::LevelCounts& counts = levels.Over(domain);
-    if (counts.real.size() < 2) continue;
+    const bool is_empty = std::ranges::all_of(counts.real, [](double count) { return count == 0.0; });
+    if (is_empty || counts.real.size() < 2) continue;
     const double full_scale = metrics.scale.full_scale;
     const std::string real = RealWord(metrics.real_is_synthetic);
     report.Add({HistogramChart(counts, fmt::format("{}: grey values", name), full_scale, real),

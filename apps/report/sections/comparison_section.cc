@@ -294,7 +294,7 @@ void AddMetricDefinitions(HtmlReport& report, const metrics::MetricsReport& metr
        {"Mean of frames", "each frame weighs the same; frames without a value are left out"},
        {"Pixels pooled", "counts and sums of all frames added up first; each pixel weighs the same"}});
   report.Subsection("How the object is found");
-  report.Paragraph(DetectorText(metrics.options));
+  report.Paragraph(DetectorText(metrics.options, metrics.real_is_synthetic));
   report.Subsection("What no simulator can beat");
   report.Paragraph(FloorText(metrics));
 }

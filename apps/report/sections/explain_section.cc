@@ -78,7 +78,7 @@ std::vector<std::pair<double, std::string>> Shares(const workflow::ExplainedReco
 }
 
 Table StepTable(const workflow::ExplainedRecording& explained, const workflow::JudgedSteps& judged,
-                const std::string& by) {
+                const std::string& by, const std::string& real) {
   Table table{.caption = "Each part added to those above it, fitted again, and evaluated " + by,
               .columns = {{"Added"},
                           {"Intensity error", "of full scale"},
@@ -109,20 +109,21 @@ Table StepTable(const workflow::ExplainedRecording& explained, const workflow::J
              fmt::format("{}", step.determined), std::string(ToString(judged.verdict[i]))}});
   }
   table.notes.push_back(fmt::format(
-      "Worth it: the held-out frames are more likely by more than two standard errors, BIC falls, and the "
+      "Significant: the held-out frames are more likely by more than two standard errors, BIC falls, and the "
       "error of the median image does not rise by more than two standard errors. If likelihood and error "
       "disagree, the part is contradicted by the error. Both criteria count {:.0f} independent cells in the "
       "frames used, not {:.0f} pixels: speckle is correlated over {:.1f} of them.",
       explained.explanation.pixels_used / explained.explanation.pixels_per_cell,
       explained.explanation.pixels_used, explained.explanation.pixels_per_cell));
-  table.notes.emplace_back(
+  table.notes.push_back(fmt::format(
       "Intensity error: mean absolute difference of grey values over the whole polar image. Median image: "
       "this error for the median of each pixel's law from speckle on, which makes it smallest. About the "
-      "object: the error within 20 range bins and 4 beams of the object in the recorded image. Before "
+      "object: the error within {} range bins and {} beams of the object in the {} image. Before "
       "speckle is added, a constant is subtracted, and occupancy is that of the expected image. From there "
       "on it is that of a speckled sample, and means little if the segmentation does not find an object. "
       "Gain and criteria of materials and ghosts are those of the law of speckle. "
-      "Fitted values: those of all steps so far that the data determine.");
+      "Fitted values: those of all steps so far that the data determine.",
+      workflow::kAboutBins, workflow::kAboutBeams, real));
   return table;
 }
 
@@ -270,6 +271,7 @@ void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explai
     report.Callout(CalloutKind::kLimit, "What to know", "Assumptions, and limits of the figures.");
     report.List(presentation.caveats);
   }
+  const std::string real = RealWord(presentation.synthetic);
   for (const workflow::JudgedSteps& judged : Judges(explained, presentation)) {
     const std::string by = "by " + NamedFrames(judged.frames) + ", which no fit saw";
     if (presentation.apart) report.Subsection("Judged by " + NamedFrames(judged.frames));
@@ -283,13 +285,13 @@ void AddWaterfall(HtmlReport& report, const workflow::ExplainedRecording& explai
                            "and its own speckled samples, from speckle and noise.",
                            by, known));
     if (presentation.about && judged.figures.back().about_error) {
-      report.Add(WaterfallOf(explained, judged, &workflow::StepFigures::about_error,
-                             "Error that remains about the object" + of),
-                 fmt::format(
-                     "Evaluated {}{}, within {} range bins and {} beams of the object in the recorded image.",
-                     by, known, workflow::kAboutBins, workflow::kAboutBeams));
+      report.Add(
+          WaterfallOf(explained, judged, &workflow::StepFigures::about_error,
+                      "Error that remains about the object" + of),
+          fmt::format("Evaluated {}{}, within {} range bins and {} beams of the object in the {} image.", by,
+                      known, workflow::kAboutBins, workflow::kAboutBeams, real));
     }
-    report.Add(StepTable(explained, judged, by));
+    report.Add(StepTable(explained, judged, by, real));
   }
   std::vector<std::string> parts;
   for (const calib::ExplainedStep& step : explained.explanation.steps)
@@ -307,12 +309,15 @@ void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained
   std::string sentence = CauseSentence(explained);
   if (!sentence.empty()) sentence.front() = static_cast<char>(std::toupper(sentence.front()));
   report.Paragraph(sentence + ".");
+  const std::string real = RealWord(presentation.synthetic);
   PictureRow row{
       .caption = (presentation.title.empty() ? std::string() : presentation.title + ". ") +
                  RealCaption(presentation.synthetic) +
                  " (left) and what each bright cell comes from by the last model (right); "
-                 "nearest range at the top. A cell is bright where the recorded power about it is "
-                 "twice the noise floor, and not explained where it is three times what is expected.",
+                 "nearest range at the top. A cell is bright where the " +
+                 real +
+                 " power about it is twice the noise floor, and not explained where it is three times what "
+                 "is expected.",
       .pictures = {},
       .columns = 2,
       .legend = CauseLegend(explained.maps, explained.cause_names)};
@@ -320,8 +325,7 @@ void AddCauses(HtmlReport& report, const workflow::ExplainedRecording& explained
   for (std::size_t i = 0; i < std::min(kMax, explained.maps.size()); ++i) {
     const workflow::CauseMap& map = explained.maps[i];
     row.pictures.push_back(
-        SonarPicture(map.recorded, SonarView::kPolar,
-                     fmt::format("Frame {}, {}", map.index, RealWord(presentation.synthetic)), {}));
+        SonarPicture(map.recorded, SonarView::kPolar, fmt::format("Frame {}, {}", map.index, real), {}));
     row.pictures.push_back(
         {.png = data_io::EncodePng(CausePicture(map.cause)),
          .caption = fmt::format("Frame {}, causes", map.index),

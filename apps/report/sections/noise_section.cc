@@ -383,7 +383,7 @@ std::string NoiseAgreementText(const calib::NoiseAgreement& agreement) {
       agreement.whitened.mean, agreement.whitened.spread);
 }
 
-std::string NoiseJudgementText(const calib::NoiseJudgement& judgement) {
+std::string NoiseJudgementText(const calib::NoiseJudgement& judgement, bool is_synthetic) {
   std::string text = NoiseAgreementText(judgement.agreement);
   text += "  " + PingsBeyondText(judgement) + "; worst:\n";
   for (const calib::NoisePing& ping : Worst(judgement.pings)) {
@@ -392,10 +392,9 @@ std::string NoiseJudgementText(const calib::NoiseJudgement& judgement) {
   }
   text += "  " + CellsBeyondText(judgement) + "; worst:\n";
   for (const calib::NoiseBlock& block : Worst(judgement.agreement.blocks)) {
-    text +=
-        fmt::format("    range {} m, beams {:<9} KS {:.4f}  mean grey {:.2f} recorded, {:.2f} predicted\n",
-                    BlockRange(block, judgement.cells.axes), BlockBeams(block), block.ks, block.recorded_mean,
-                    block.predicted_mean);
+    text += fmt::format("    range {} m, beams {:<9} KS {:.4f}  mean grey {:.2f} {}, {:.2f} predicted\n",
+                        BlockRange(block, judgement.cells.axes), BlockBeams(block), block.ks,
+                        block.recorded_mean, RealWord(is_synthetic), block.predicted_mean);
   }
   return text + "  " + NoiseDriftText(judgement) + "\n";
 }
@@ -411,10 +410,13 @@ void AddNoiseJudgement(HtmlReport& report, const calib::NoiseJudgement& judgemen
                            FormatNumber(ping.wasserstein_grey, 3), fmt::format("{:+.3f}", ping.level_db)}});
   }
   report.Add(pings);
-  Table cells{
-      .caption = "Cells with the largest KS, all pings together. " + CellsBeyondText(judgement),
-      .columns = {{"Range", "m"}, {"Beams"}, {"KS"}, {"Recorded", "mean grey"}, {"Predicted", "mean grey"}},
-      .rows = {}};
+  Table cells{.caption = "Cells with the largest KS, all pings together. " + CellsBeyondText(judgement),
+              .columns = {{"Range", "m"},
+                          {"Beams"},
+                          {"KS"},
+                          {RealCaption(is_synthetic), "mean grey"},
+                          {"Predicted", "mean grey"}},
+              .rows = {}};
   for (const calib::NoiseBlock& block : Worst(judgement.agreement.blocks)) {
     cells.rows.push_back(
         {{BlockRange(block, judgement.cells.axes), BlockBeams(block), FormatNumber(block.ks, 4),

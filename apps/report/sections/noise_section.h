@@ -31,7 +31,7 @@ std::string NoiseDriftText(const calib::NoiseJudgement& judgement);
 std::string NoiseAgreementText(const calib::NoiseAgreement& agreement);
 
 // Figures, worst pings and cells, and drift.
-std::string NoiseJudgementText(const calib::NoiseJudgement& judgement);
+std::string NoiseJudgementText(const calib::NoiseJudgement& judgement, bool is_synthetic);
 
 // Adds figures, worst pings and cells, grey values, residuals and drift.
 void AddNoiseJudgement(HtmlReport& report, const calib::NoiseJudgement& judgement, bool is_synthetic);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/report/html/html_text.h"
+
 namespace sonarcal::report {
 namespace {
 
@@ -80,10 +82,11 @@ std::string TidyingText(const metrics::SegmentationOptions& s) {
 
 }  // namespace
 
-std::string DetectorText(const metrics::CompareOptions& options) {
+std::string DetectorText(const metrics::CompareOptions& options, bool real_is_synthetic) {
+  const std::string real = RealWord(real_is_synthetic);
   const metrics::SegmentationOptions& s = options.segmentation;
   const bool echoes = options.simulated_object == metrics::SimulatedObject::kEchoes;
-  std::string text = echoes ? "A detector looks for the object in the recorded image. "
+  std::string text = echoes ? "A detector looks for the object in the " + real + " image. "
                             : "One detector looks for the object in both images, with the same settings. ";
   text += SmoothingText(s) + "A pixel is object where it " + MethodText(s) + ". " + TidyingText(s);
   if (echoes) {
@@ -91,15 +94,15 @@ std::string DetectorText(const metrics::CompareOptions& options) {
                         options.echo_fraction);
   }
   if (options.region_margin_m) {
-    text += fmt::format("The recorded object is looked for within {:g} m of the simulated one. ",
+    text += fmt::format("The {} object is looked for within {:g} m of the simulated one. ", real,
                         *options.region_margin_m);
   }
   if (const std::optional<metrics::ObjectSearch>& object = options.object) {
     text += fmt::format(
         "The object is searched in a box only, {} range bins and {} beams wider on each side than what the "
-        "scene's model shows of '{}'. The box comes from the model, not from the recorded image. It flatters "
+        "scene's model shows of '{}'. The box comes from the model, not from the {} image. It flatters "
         "every ratio, because nothing outside it can be taken for the object. ",
-        object->margin.bins, object->margin.beams, object->material);
+        object->margin.bins, object->margin.beams, object->material, real);
     if (options.region) text += "The box is cut to a given region of interest. ";
   } else {
     text += options.region ? "Only a given region of interest is searched. "

@@ -7,6 +7,6 @@
 
 namespace sonarcal::report {
 
-std::string DetectorText(const metrics::CompareOptions& options);
+std::string DetectorText(const metrics::CompareOptions& options, bool real_is_synthetic);
 
 }  // namespace sonarcal::report

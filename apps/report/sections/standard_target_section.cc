@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/report/html/html_text.h"
 #include "apps/report/pictures/sonar_picture.h"
 #include "apps/report/sections/fit_section.h"
 #include "core/types/units.h"
@@ -80,7 +81,8 @@ PolarImage LevelImage(const std::vector<double>& power, const PolarAxes& axes) {
   return image;
 }
 
-void AddPictures(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes) {
+void AddPictures(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes,
+                 bool is_synthetic) {
   const PolarAxes window = AxesOf(fit.shown, axes);
   const auto [least, most] = std::minmax_element(fit.shown_model.begin(), fit.shown_model.end());
   const ColourLimits limits_db{.low = DbFromPower(*least) - 10.0, .high = DbFromPower(*most) + 1.0};
@@ -88,27 +90,29 @@ void AddPictures(HtmlReport& report, const calib::StandardTargetFit& fit, const 
       .caption =
           fmt::format("The sphere in frame {}, whose level is the median: received power about its peak.",
                       fit.shown.frame),
-      .pictures = {SonarPicture(LevelImage(fit.shown.power, window), SonarView::kPolar, "Recorded",
-                                "Recorded powers about the sphere", limits_db),
+      .pictures = {SonarPicture(LevelImage(fit.shown.power, window), SonarView::kPolar,
+                                RealCaption(is_synthetic),
+                                RealCaption(is_synthetic) + " powers about the sphere", limits_db),
                    SonarPicture(LevelImage(fit.shown_model, window), SonarView::kPolar,
                                 "Fitted, with the mean noise", "Expected powers about the sphere",
                                 limits_db)},
       .columns = 2});
 }
 
-// Recorded and fitted powers along a line of the shown window through its peak.
-LineChart ProfileChart(const calib::StandardTargetFit& fit, bool along_beams) {
+// Recorded (or synthetic) and fitted powers along a line of the shown window through its peak.
+LineChart ProfileChart(const calib::StandardTargetFit& fit, bool along_beams, bool is_synthetic) {
   const calib::EchoWindow& window = fit.shown;
   const std::size_t beams = window.beam_azimuth_rad.size();
   const auto peak = static_cast<std::size_t>(
       std::max_element(fit.shown_model.begin(), fit.shown_model.end()) - fit.shown_model.begin());
-  LineChart chart{.title = along_beams ? "Across the beams" : "Along the range",
-                  .x = along_beams ? ChartAxis{.label = "azimuth", .unit = "deg"}
-                                   : ChartAxis{.label = "range", .unit = "m"},
-                  .y = {.label = "received power", .unit = "dB"},
-                  .series = {{.name = "fitted, with the mean noise", .x = {}, .y = {}},
-                             {.name = "recorded", .x = {}, .y = {}, .style = SeriesStyle::kPoints}},
-                  .alt = "Recorded and fitted echo of the sphere"};
+  LineChart chart{
+      .title = along_beams ? "Across the beams" : "Along the range",
+      .x = along_beams ? ChartAxis{.label = "azimuth", .unit = "deg"}
+                       : ChartAxis{.label = "range", .unit = "m"},
+      .y = {.label = "received power", .unit = "dB"},
+      .series = {{.name = "fitted, with the mean noise", .x = {}, .y = {}},
+                 {.name = RealWord(is_synthetic), .x = {}, .y = {}, .style = SeriesStyle::kPoints}},
+      .alt = RealCaption(is_synthetic) + " and fitted echo of the sphere"};
   const std::size_t count = along_beams ? beams : window.bin_range_m.size();
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t pixel = along_beams ? peak / beams * beams + i : i * beams + peak % beams;
@@ -286,7 +290,8 @@ std::string StandardTargetMember(const calib::StandardTargetFit& fit) {
   return fmt::format(R"("standard_target": {})", member.dump());
 }
 
-void AddStandardTarget(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes) {
+void AddStandardTarget(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes,
+                       bool is_synthetic) {
   for (const std::string& warning : fit.report.warnings)
     report.Callout(CalloutKind::kWarning, "Reason to doubt the fit", warning + ".");
   report.KeyFigures(
@@ -300,8 +305,8 @@ void AddStandardTarget(HtmlReport& report, const calib::StandardTargetFit& fit, 
         .value = fmt::format("{} of {}", fit.frames.size(), fit.frames.size() + fit.left_out.size())}});
   report.Section("The sphere");
   for (const std::string& sentence : StandardTargetInWords(fit)) report.Paragraph(sentence);
-  AddPictures(report, fit, axes);
-  report.Add({ProfileChart(fit, true), ProfileChart(fit, false)},
+  AddPictures(report, fit, axes, is_synthetic);
+  report.Add({ProfileChart(fit, true, is_synthetic), ProfileChart(fit, false, is_synthetic)},
              "The echo of the picture above, on lines through its peak.");
   std::vector<std::string> left_out;
   for (const auto& [why, frames] : LeftOutByReason(fit))

@@ -22,6 +22,7 @@ std::string StandardTargetMember(const calib::StandardTargetFit& fit);
 
 // Adds sections: the sphere as recorded and as fitted, levels by frame, sensitivities, parameters, frames
 // left out. `axes`: of the recording.
-void AddStandardTarget(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes);
+void AddStandardTarget(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes,
+                       bool is_synthetic);
 
 }  // namespace sonarcal::report

@@ -5,11 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "data_io/recordings/recording_catalogue.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal::reproduce {
@@ -39,6 +41,22 @@ TEST(CasePlan, TheCasesOfTheProjectAreRead) {
   ASSERT_EQ(synthetic.data_sets.size(), 3U);
   EXPECT_EQ(synthetic.data_sets[1].ns_over_nr, 1.10);
   EXPECT_EQ(synthetic.truth.model, EchoModel::kCoherent);
+}
+
+// `sonarcal recordings` lists each recording, and what it fetches has the folders of the plan.
+TEST(CasePlan, TheRecordingsOfTheCasesAreInTheCatalogue) {
+  const auto find = [](const std::string& name) {
+    const std::vector<data_io::PublicRecording>& all = data_io::RecordingCatalogue();
+    const auto found = std::ranges::find(all, name, &data_io::PublicRecording::name);
+    return found == all.end() ? nullptr : &*found;
+  };
+  EXPECT_TRUE(find(std::get<TargetCase>(ReadCase(kCases / "bomb").study).recording));
+  const CasePlan hull = ReadCase(kCases / "hull_strip");
+  const auto& surface = std::get<MarkedSurfaceCase>(hull.study);
+  const data_io::PublicRecording* recording = find(surface.recording);
+  ASSERT_TRUE(recording);
+  for (const std::string& folder : {surface.pings, surface.background, surface.marks})
+    EXPECT_TRUE(std::ranges::count(recording->paths, folder, &data_io::PublicRecording::Path::to)) << folder;
 }
 
 TEST(CasePlan, SaysWhereThePoseComesFrom) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include <opencv2/imgcodecs.hpp>
@@ -151,6 +152,15 @@ TEST(HtmlReportTest, NoPictureIsShownTwice) {
   report.ParagraphOnce("What the colours mean.");
   const std::string with = report.Html();
   EXPECT_EQ(with.find("What the colours mean."), with.rfind("What the colours mean."));
+}
+
+// As of a recording that is compared with itself.
+TEST(HtmlReportTest, APictureThatEqualsAnotherOfItsFigureIsNamed) {
+  HtmlReport report("Title");
+  report.Add(
+      PictureRow{.caption = "Frame 0.", .pictures = {{SmallPng(1), "Recorded"}, {SmallPng(1), "Simulated"}}});
+  EXPECT_EQ(testing::PicturesOf(report.Html()).size(), 1U);
+  EXPECT_THAT(report.Html(), HasSubstr("Frame 0. Simulated: the same picture as Recorded."));
 }
 
 TEST(HtmlReportTest, APictureOfOneColourIsDescribedAndNotShown) {
@@ -344,6 +354,33 @@ TEST(LineChartTest, EmptyAndConstantSeriesStillHaveAxes) {
     EXPECT_THAT(html, HasSubstr("class=\"tick\""));
     EXPECT_THAT(html, Not(HasSubstr("inf")));
   }
+}
+
+TEST(LineChartTest, AValueWithoutNeighbourIsDrawnAsAPoint) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  LineChart chart{.title = "t", .series = {{"s", {0, 1, 2, 3, 4, 5}, {1, nan, 2, 1, nan, 2}}}};
+  const auto points_of = [&](SeriesStyle style) {
+    chart.series[0].style = style;
+    const std::string svg = LineChartHtml(chart);
+    int points = 0;
+    for (std::size_t at = 0; (at = svg.find("<circle", at)) != std::string::npos; ++at) ++points;
+    return points;
+  };
+  EXPECT_EQ(points_of(SeriesStyle::kLine), 2);
+  EXPECT_EQ(points_of(SeriesStyle::kDashed), 2);
+  EXPECT_EQ(points_of(SeriesStyle::kBand), 0);
+}
+
+TEST(LineChartTest, AConstantMovesNoEndOfAnAxisThatIsGiven) {
+  LineChart chart{.title = "t", .series = {{"s", {0.0, 1.0}, {0.0, 0.0}}}};
+  const auto html_of = [&](std::optional<double> min, std::optional<double> max) {
+    chart.y = {.label = "y", .min = min, .max = max};
+    return LineChartHtml(chart);
+  };
+  constexpr const char* kAxis = "&quot;y&quot;:{&quot;min&quot;:";
+  EXPECT_THAT(html_of({}, {}), HasSubstr(std::string(kAxis) + "-1.0,&quot;max&quot;:1.0"));
+  EXPECT_THAT(html_of(0.0, {}), HasSubstr(std::string(kAxis) + "0.0,&quot;max&quot;:1.0"));
+  EXPECT_THAT(html_of({}, 0.0), HasSubstr(std::string(kAxis) + "-1.0,&quot;max&quot;:0.0"));
 }
 
 TEST(LineChartTest, ASeriesOfUnequalLengthsIsRefused) {

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "apps/report/sections/residual_section.h"
 #include "apps/workflow/compare.h"
 #include "metrics/figures.h"
@@ -140,6 +143,18 @@ TEST(AgreementSections, AreWellFormedAndHoldEveryFigure) {
                metrics.aggregate.micro.polar.At(figure.path).value.has_value();
   }
   EXPECT_EQ(report.tables().back().rows.size(), defined);
+}
+
+TEST(AgreementSections, GreyLevelsOfObjectsAreLeftOutIfNoFrameHasAnObject) {
+  metrics::MetricsReport metrics = Compared(4);
+  metrics::LevelCounts& counts = metrics.aggregate.pooled_levels.polar.Over(metrics::LevelDomain::kUnion);
+  ASSERT_FALSE(counts.real.empty());
+  for (std::vector<double>* levels : {&counts.real, &counts.simulated})
+    std::fill(levels->begin(), levels->end(), 0.0);
+  HtmlReport report("Title");
+  AddGreyLevels(report, metrics);
+  ASSERT_EQ(report.chart_figures().size(), 1U);
+  EXPECT_THAT(report.chart_figures()[0].caption, StartsWith("Whole image"));
 }
 
 TEST(AgreementSections, NothingComparedIsNothingShown) {
