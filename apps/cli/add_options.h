@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -134,6 +135,20 @@ nlohmann::ordered_json OptionsJson(const Options& options) {
     }
   });
   return json;
+}
+
+// Returns the files that options name: those that were read as options, and lists of JSON files.
+template <typename Options>
+std::vector<std::filesystem::path> OptionFiles(const Options& options) {
+  std::vector<std::filesystem::path> files;
+  Options::Visit(options, [&](const OptionInfo& info, const auto& value) {
+    if constexpr (requires { value.file; }) {
+      if (!value.file.empty()) files.push_back(value.file);
+    } else if constexpr (std::is_same_v<std::remove_cvref_t<decltype(value)>, std::vector<std::string>>) {
+      if (info.type == "JSON") files.insert(files.end(), value.begin(), value.end());
+    }
+  });
+  return files;
 }
 
 // Returns the words of a command line that set all options that differ from the default.

@@ -32,12 +32,24 @@ std::atomic<bool> command_may_be_slow = false;
   std::_Exit(1);
 }
 
+// Discards a copy of the signal. GNU timeout sends one to the process and another to its group at once.
+void DiscardCopy(int signal) {
+  constexpr timespec kApart = {0, 100'000'000};
+  constexpr timespec kNow = {};
+  nanosleep(&kApart, nullptr);
+  sigset_t copies;
+  sigemptyset(&copies);
+  sigaddset(&copies, signal);
+  sigtimedwait(&copies, nullptr, &kNow);
+}
+
 void WaitForSignals(const sigset_t& signals) {
   int signal = 0;
   if (sigwait(&signals, &signal) != 0) return;
   if (!command_can_stop) EndBy(signal, signals, "interrupted");
   command_was_asked = true;
-  constexpr timespec kMoment = {0, 700'000'000};
+  DiscardCopy(signal);
+  constexpr timespec kMoment = {0, 600'000'000};
   int again = sigtimedwait(&signals, nullptr, &kMoment);
   if (again < 0 && command_may_be_slow) {
     std::cerr << '\n';
@@ -65,13 +77,15 @@ bool Interruption::asked() const {
 }
 
 // A signal handler must not remove folders. So a separate thread waits for the signals, and all others block
-// them.
+// them. A signal that the caller ignores, as under nohup, stays ignored: blocked, it would reach that thread.
 void HandleSignals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGHUP);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction inherited = {};
+    const bool is_ignored = sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN;
+    if (!is_ignored) sigaddset(&signals, signal);
+  }
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread([signals] { WaitForSignals(signals); }).detach();
 }

@@ -1,5 +1,6 @@
-// Effect of SIGINT (Ctrl-C), SIGTERM and SIGHUP: they remove unfinished outputs and end the program. A long
-// command that can stop and keep its finished outputs declares it:
+// Effect of SIGINT (Ctrl-C), SIGTERM and SIGHUP: they remove unfinished outputs and end the program. A signal
+// that the program inherits as ignored stays ignored, such as SIGHUP under nohup. A long command that can
+// stop and keep its finished outputs declares it:
 //
 //   const Interruption interruption;
 //   for (...; !interruption.asked(); ...) { ... }
@@ -9,7 +10,8 @@
 namespace sonarcal::cli {
 
 // During the lifetime of an object, the first signal only sets asked(). The program ends at once if it has
-// not stopped a moment later, and at a second signal. Only one object may exist at a time.
+// not stopped a moment later, and at a second signal. A copy of the first signal that comes at once is no
+// second one. Only one object may exist at a time.
 class Interruption {
  public:
   // Effect on a command that still runs a moment after the first signal. kWait is for one that would lose

@@ -10,6 +10,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/messages.h"
 #include "apps/cli/options_file.h"
+#include "apps/cli/run_output.h"
 #include "core/types/error.h"
 #include "data_io/files/hash.h"
 #include "data_io/json/json_writer.h"
@@ -20,6 +21,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+// True for what programs write into a folder while it is read: staged outputs (data_io/files/atomic_output.h)
+// and the folder of this run.
+bool IsOutput(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  const bool is_staged =
+      name.starts_with('.') && (name.find(".partial-") != std::string::npos || name.ends_with(".unfinished"));
+  return is_staged || (entry.is_directory() && IsBeingWritten(entry.path()));
+}
+
 Json InputToJson(const fs::path& input) {
   if (!fs::is_directory(input)) {
     if (!fs::exists(input)) throw DataError("{}: no such file or folder", input.string());
@@ -27,8 +37,12 @@ Json InputToJson(const fs::path& input) {
         {"path", input.string()}, {"bytes", fs::file_size(input)}, {"sha256", data_io::Sha256OfFile(input)}};
   }
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(input)) {
-    if (entry.is_regular_file()) files.push_back(entry.path());
+  for (fs::recursive_directory_iterator entry(input), end; entry != end; ++entry) {
+    if (IsOutput(*entry)) {
+      entry.disable_recursion_pending();
+    } else if (entry->is_regular_file()) {
+      files.push_back(entry->path());
+    }
   }
   std::sort(files.begin(), files.end());
   std::uintmax_t byte_count = 0;
@@ -52,7 +66,9 @@ Json ProvenanceToJson(const Provenance& provenance) {
   if (provenance.seed) json["seed"] = *provenance.seed;
   if (!provenance.made_of.is_null()) json["made_of"] = provenance.made_of;
   json["inputs"] = Json::array();
-  for (const fs::path& input : provenance.inputs) json["inputs"].push_back(InputToJson(input));
+  for (const fs::path& input : provenance.inputs) {
+    if (!input.empty()) json["inputs"].push_back(InputToJson(input));
+  }
   if (!OptionsFile().empty()) json["inputs"].push_back(InputToJson(OptionsFile()));
   return json;
 }

@@ -13,6 +13,7 @@
 //
 // Time and host are not stored: the same run writes the same bytes. An input that is a folder has one hash,
 // that of the lines "<sha256>  <path within>\n" of its files, sorted by path (as `sha256sum` prints them).
+// Staged outputs and the output folder of the run do not count as its files.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +32,8 @@ struct Provenance {
   std::optional<std::uint64_t> seed = {};
   // Data that determine the outputs, for resuming (apps/commands/simulate_resume.h). Null: cannot be resumed.
   nlohmann::ordered_json made_of = {};
-  std::vector<std::filesystem::path> inputs = {};  // files and folders that were read
+  // Files and folders that were read. Empty paths are left out.
+  std::vector<std::filesystem::path> inputs = {};
 };
 
 // Throws DataError if an input cannot be read any more or if the file cannot be written.

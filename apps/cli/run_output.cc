@@ -30,6 +30,7 @@ struct Registry {
   std::mutex mutex;
   std::set<fs::path> staging;
   std::set<fs::path> kept;  // for a later run
+  std::multiset<fs::path> folders;
 };
 
 Registry& Unfinished() {
@@ -107,6 +108,8 @@ RunOutput::RunOutput(const fs::path& folder, std::string command, bool force, da
   // Again, because `directory_` restores a folder that a killed run left aside.
   replaces_ = OutputsToReplace(folder, command_, force).has_value();
   if (!directory_.found()) Register();
+  const std::lock_guard lock(Unfinished().mutex);
+  Unfinished().folders.insert(final_path());
 }
 
 RunOutput::RunOutput(const fs::path& folder, data_io::Aside aside)
@@ -177,6 +180,16 @@ RunOutput::~RunOutput() {
   const std::lock_guard lock(Unfinished().mutex);
   Unfinished().staging.erase(staging_);
   Unfinished().kept.erase(staging_);
+  auto& folders = Unfinished().folders;
+  if (const auto folder = folders.find(final_path()); folder != folders.end()) folders.erase(folder);
+}
+
+bool IsBeingWritten(const fs::path& folder) {
+  const std::lock_guard lock(Unfinished().mutex);
+  return std::ranges::any_of(Unfinished().folders, [&](const fs::path& written) {
+    std::error_code error;
+    return fs::equivalent(written, folder, error);
+  });
 }
 
 bool RemoveUnfinishedOutputs() {

@@ -79,6 +79,9 @@ class RunOutput {
   std::filesystem::path staging_;  // before Commit()
 };
 
+// True if `folder`, by whatever path, is that of a RunOutput, not of one Beside, that exists.
+bool IsBeingWritten(const std::filesystem::path& folder);
+
 // Removes staged files of runs that are not committed. For the end of an interrupted program. Returns whether
 // something was kept for a later run.
 bool RemoveUnfinishedOutputs();

@@ -1,9 +1,13 @@
 // --sonar, for every command that takes a sonar.
 #pragma once
 
+#include <algorithm>
+#include <filesystem>
 #include <string>
 
 #include <CLI/CLI.hpp>
+
+#include "sim/scenes/sonar_presets.h"
 
 namespace sonarcal::cli {
 
@@ -22,6 +26,13 @@ inline CLI::Option* AddSonar(CLI::App& command, std::string& sonar, const std::s
 inline CLI::Option* AddSonarOfRecording(CLI::App& command, std::string& sonar) {
   return AddSonar(command, sonar,
                   ", such as the calibrated one, in place of that of the recording (default: as recorded)");
+}
+
+// Returns the file that --sonar names; empty for a preset and without the option.
+inline std::filesystem::path SonarFile(const std::string& sonar) {
+  const bool is_preset = std::ranges::any_of(
+      sim::SonarPresets(), [&](const sim::SonarPreset& preset) { return preset.name == sonar; });
+  return is_preset ? std::filesystem::path() : std::filesystem::path(sonar);
 }
 
 }  // namespace sonarcal::cli

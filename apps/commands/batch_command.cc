@@ -113,7 +113,7 @@ void CheckOptions(const BatchOptions& options) {
 
 cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
   CheckOptions(options);
-  const fs::path out = fs::absolute(options.out).lexically_normal();
+  const fs::path out = (fs::absolute(options.out) / "").lexically_normal().parent_path();
   batch::BatchPlan plan = batch::ReadBatchPlan(options.plan, out, root);
   if (!options.dry_run) fs::create_directories(out);
   batch::BatchRunner runner(std::move(plan), out,

@@ -180,16 +180,15 @@ Compared OpenCompared(const CompareCommandOptions& options) {
   return compared;
 }
 
-// Scene of --scene. With --object, the scene that a recording names. Nullopt if there is neither.
-std::optional<Scene> SceneOf(const CompareCommandOptions& options, const RecordingSource& real,
-                             const RecordingSource& simulated) {
+// Scene of --scene. With --object, the scene that a recording names. Empty if there is neither.
+std::filesystem::path SceneFileOf(const CompareCommandOptions& options, const RecordingSource& real,
+                                  const RecordingSource& simulated) {
   std::filesystem::path scene = options.scene;
   const bool with_object = !options.compare.comparison.object.empty();
   for (const RecordingSource* recording : {&simulated, &real}) {
     if (scene.empty() && with_object) scene = recording->info().scene_path.value_or("");
   }
-  if (scene.empty()) return std::nullopt;
-  return cli::ReadSceneFile(scene, options.scene_format, options.common);
+  return scene;
 }
 
 }  // namespace
@@ -205,7 +204,9 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   compare.frames = compared.frames;
   compare.noise_floor = !options.part;
   if (compared.measured) compare.measured = &*compared.measured;
-  const std::optional<Scene> scene = SceneOf(options, *real, *simulated);
+  const std::filesystem::path scene_file = SceneFileOf(options, *real, *simulated);
+  std::optional<Scene> scene;
+  if (!scene_file.empty()) scene = cli::ReadSceneFile(scene_file, options.scene_format, options.common);
   cli::RunOutput output(options.out, "compare", options.common.force);
   std::optional<cli::Progress> progress;
   const workflow::Listener listener{.progress = [&](const std::string& step, int done, int total) {
@@ -243,14 +244,11 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
   const report::ShownFrames shown = report::ShowFrames(*real, *simulated, comparison.options, metrics,
                                                        workflow::RepresentativeFrames(metrics));
 
-  std::vector<std::filesystem::path> inputs = {options.real};
-  if (!options.simulated.empty()) inputs.push_back(options.simulated);
+  std::vector<std::filesystem::path> inputs = {options.real, cli::SonarFile(options.sonar), options.simulated,
+                                               scene_file};
   inputs.insert(inputs.end(), options.merge.begin(), options.merge.end());
-  for (const std::filesystem::path& file :
-       {options.compare.against.file, options.scene, options.compare.params.file,
-        options.compare.comparison.background_params.file}) {
-    if (!file.empty()) inputs.push_back(file);
-  }
+  const std::vector<std::filesystem::path> of_options = cli::OptionFiles(options.compare);
+  inputs.insert(inputs.end(), of_options.begin(), of_options.end());
   const cli::Provenance provenance{.command = "compare",
                                    .configuration = ConfigurationJson(options, comparison.frames),
                                    .inputs = std::move(inputs)};

@@ -133,11 +133,6 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
   cli::Progress progress("Converting", count, options.common);
   data_io::WriteRecording(*recording, output.directory(),
                           {.progress = [&](int frames_done, int) { progress.Update(frames_done); }});
-  std::vector<std::filesystem::path> inputs = {options.file};
-  for (const auto* input :
-       {&options.poses, &options.trajectory, &options.mount, &options.bag.picture_geometry}) {
-    if (!input->empty()) inputs.push_back(*input);
-  }
   cli::WriteProvenance(output.staging(),
                        {.command = "convert",
                         .configuration = {{"file", options.file.string()},
@@ -159,7 +154,8 @@ cli::ExitStatus RunConvert(const ConvertOptions& options) {
                                           {"salvage", options.salvage},
                                           {"frames", count},
                                           {"frame_list", options.frames.Text()}},
-                        .inputs = inputs});
+                        .inputs = {options.file, cli::SonarFile(options.sonar), options.poses,
+                                   options.trajectory, options.mount, options.bag.picture_geometry}});
   output.Commit();
 
   if (options.common.json) {

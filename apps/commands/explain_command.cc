@@ -103,7 +103,7 @@ Subject OpenFiles(const ExplainCommandOptions& options) {
           .options = options.explain,
           .explain = std::move(explain),
           .presentation = {.apart = options.apart},
-          .inputs = {options.real, options.scene, options.params}};
+          .inputs = {options.real, cli::SonarFile(options.sonar), options.scene, options.params}};
 }
 
 // Prepares the recording in folder `recording` of the output.
@@ -207,6 +207,8 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
   const workflow::ExplainedRecording explained =
       workflow::ExplainRecording(*subject.recording, subject.scene, subject.given, explain);
 
+  const std::vector<std::filesystem::path> of_options = cli::OptionFiles(options.explain);
+  subject.inputs.insert(subject.inputs.end(), of_options.begin(), of_options.end());
   const cli::Provenance provenance{.command = "explain",
                                    .configuration = ConfigurationJson(options, subject, explained),
                                    .inputs = subject.inputs};

@@ -163,7 +163,7 @@ void CheckOptions(const ExportOptions& options) {
         "--out is '{}', expected a name that ends in .mp4, which determines the container of the video",
         options.out.string());
   }
-  if (!options.out.has_filename()) {
+  if (options.to != ExportTarget::kPng && !options.out.has_filename()) {
     throw UsageError("--out is '{}', expected the name of a file", options.out.string());
   }
 }
@@ -345,12 +345,10 @@ cli::ExitStatus ExportRecording(const ExportOptions& options) {
                                                                  workflow::ChooseSonar(options.sonar).sonar);
   }
   NoteWhatIsLost(options, recording->info());
-  std::vector<fs::path> inputs = {options.recording};
-  if (!options.bag.picture_geometry.empty()) inputs.push_back(options.bag.picture_geometry);
-  if (!options.scene.empty()) inputs.push_back(options.scene);
-  if (!options.params.empty()) inputs.push_back(options.params);
-  const cli::Provenance provenance{
-      .command = "export", .configuration = Configuration(options), .inputs = inputs};
+  const cli::Provenance provenance{.command = "export",
+                                   .configuration = Configuration(options),
+                                   .inputs = {options.recording, cli::SonarFile(options.sonar),
+                                              options.bag.picture_geometry, options.scene, options.params}};
 
   const bool is_folder = options.to == ExportTarget::kPng;
   cli::RunOutput output = OutputOf(options);

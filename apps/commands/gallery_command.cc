@@ -105,9 +105,10 @@ std::vector<std::function<Exhibit()>> Exhibits(const GalleryOptions& options) {
 
 std::string PlaceText(const Pose& pose) {
   const Eigen::Vector3d ahead = pose.rotation * Eigen::Vector3d::UnitY();
+  const double up = std::clamp(ahead.z(), -1.0, 1.0);  // rounding may exceed 1
   return fmt::format("sonar at ({:.1f}, {:.1f}, {:.1f}) m, looking {:.0f} degrees {}", pose.position_m.x(),
-                     pose.position_m.y(), pose.position_m.z(), std::abs(std::asin(ahead.z())) / kRadPerDeg,
-                     ahead.z() > 0.0 ? "up" : "down");
+                     pose.position_m.y(), pose.position_m.z(), std::abs(std::asin(up)) / kRadPerDeg,
+                     up > 0.0 ? "up" : "down");
 }
 
 // Writes the pictures of one exhibit and adds it to the report.

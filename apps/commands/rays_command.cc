@@ -97,7 +97,7 @@ Json JsonOf(const RaysOptions& options, const Measured& measured) {
                {"sonar", measured.sonar},
                {"poses", measured.poses},
                {"display", measured.display},
-               {"ray_weight", ToString(options.rays.ray_weight)},
+               {"ray_weight", ToString(options.rays.weight())},
                {"synthetic", true},
                {"counts", counts},
                {"fewest_within_one_grey", fewest}};
@@ -138,7 +138,7 @@ std::vector<std::string> MinRaysTexts(const RaysOptions& options, const Measured
 std::string TableText(const RaysOptions& options, const Measured& measured) {
   std::string text = fmt::format("{}: error against rays over {} pose{}, {}, rays weighed {}\n",
                                  options.scene.string(), measured.poses, measured.poses == 1 ? "" : "s",
-                                 measured.display, WeightText(options.rays.ray_weight));
+                                 measured.display, WeightText(options.rays.weight()));
   text += fmt::format("  {:<8} {:>11} {:>9} {:>7} {:>11} {:>9} {:>9} {:>9} {:>9}\n", "sampling", "rays",
                       "count", "denser", "99.9 % grey", "99.9 % dB", "max grey", "within 1", "of lit");
   for (const workflow::RayError& e : measured.errors.counts) {
@@ -179,7 +179,7 @@ report::HtmlReport MakeReport(const RaysOptions& options, const Measured& measur
   report.List(MinRaysTexts(options, measured));
   report::Table table{.caption = fmt::format("Errors over all pixels of {} pose{}; {}; rays weighed {}",
                                              measured.poses, measured.poses == 1 ? "" : "s", measured.display,
-                                             WeightText(options.rays.ray_weight)),
+                                             WeightText(options.rays.weight())),
                       .columns = {{"Sampling and rays"},
                                   {"Rays"},
                                   {"Dense image", "times the rays"},
@@ -223,7 +223,7 @@ cli::Provenance ProvenanceOf(const RaysOptions& options, const workflow::SonarCh
                         {"sampling", options.sampling ? Json(ToString(*options.sampling)) : Json(nullptr)},
                         {"dense", options.dense},
                         {"denser", options.denser},
-                        {"ray_weight", ToString(options.rays.ray_weight)},
+                        {"ray_weight", ToString(options.rays.weight())},
                         {"display_db", options.display_db ? Json(*options.display_db) : Json(nullptr)},
                         {"absorption", ToString(options.rays.absorption)},
                         {"threads", options.rays.threads}},
@@ -238,7 +238,7 @@ cli::Provenance ProvenanceOf(const RaysOptions& options, const workflow::SonarCh
 cli::ExitStatus RunRays(const RaysOptions& options) {
   const workflow::ThreadLimit threads(options.rays.threads);
   workflow::RayErrorOptions errors{
-      .dense = ParseGrid(options.dense), .denser = options.denser, .weight = options.rays.ray_weight};
+      .dense = ParseGrid(options.dense), .denser = options.denser, .weight = options.rays.weight()};
   for (const std::string& count : options.counts) errors.grids.push_back(ParseGrid(count));
   if (options.sampling) errors.samplings = {*options.sampling};
   ParameterSet parameters = data_io::ReadParameters(options.params);

@@ -59,6 +59,7 @@ Json ConfigurationJson(const SimulateCommandOptions& options, const sim::Simulat
   workflow::SimulateOptions cast = options.simulate;
   cast.model = model;
   cast.rays.sampling = fan.sampling;
+  cast.rays.ray_weight = fan.weight;
   cast.rays.rays = RayGridSize{simulator.fan().cols(), simulator.fan().rows()};
   cast.margin_deg = fan.azimuth_margin_deg;
   cast.noise = workflow::IsRandom(options.simulate, model);

@@ -22,10 +22,17 @@ using Json = nlohmann::ordered_json;
 
 // Data compared by digest: the message can only state that they differ.
 constexpr const char* kDigests[] = {"scene", "sonar", "parameters", "poses"};
-// Options that determine the output. The other options are paths and threads.
-constexpr const char* kOptions[] = {"model",          "sampling",    "rays", "ray_weight", "normals",
-                                    "absorption",     "margin_deg",  "bits", "noise",      "expected",
-                                    "frozen_speckle", "ghost_order", "fan",  "depth",      "frames"};
+// Names of the options that determine the output. The other options are paths and threads; FramesMadeOf takes
+// the seed that is used.
+std::vector<std::string> NamesOfOptions() {
+  std::vector<std::string> names;
+  const workflow::SimulateOptions options;
+  workflow::SimulateOptions::Visit(options, [&](const OptionInfo& info, const auto&) {
+    if (info.name != "threads" && info.name != "seed") names.push_back(info.name);
+  });
+  names.insert(names.end(), {"fan", "depth", "frames"});
+  return names;
+}
 
 template <typename T>
 std::string DigestOf(const std::vector<T>& values) {
@@ -33,7 +40,7 @@ std::string DigestOf(const std::vector<T>& values) {
 }
 
 std::string TextOf(const Json& value) {
-  if (value.is_null()) return "none";
+  if (value.is_null() || (value.is_array() && value.empty())) return "none";
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
@@ -89,7 +96,7 @@ Json FramesMadeOf(const workflow::SimulatedRecording& recording, const std::stri
                   {"parameters", data_io::Sha256(data_io::ParametersJson(parameters).dump())},
                   {"poses", data_io::Sha256(json["frames"].dump())},
                   {"frames", recording.frame_count()}};
-  for (const char* key : kOptions) {
+  for (const std::string& key : NamesOfOptions()) {
     if (provenance.configuration.contains(key)) made_of[key] = provenance.configuration[key];
   }
   if (provenance.seed) made_of["seed"] = *provenance.seed;

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/add_options.h"
+#include "apps/cli/given_options.h"
 #include "apps/cli/interruption.h"
 #include "apps/cli/run_output.h"
 #include "apps/cli/sonar_option.h"
@@ -55,7 +56,7 @@ bool HasPoses(const RecordingSource& recording) {
 
 void SetPoses(const ViewOptions& options, view::ViewSetup& setup) {
   if (!options.poses.empty()) {
-    setup.poses = data_io::ReadPosesOrRecording(options.poses);
+    setup.poses = data_io::WithMotion(data_io::ReadPosesOrRecording(options.poses), setup.sonar.pings);
   } else if (setup.real && HasPoses(*setup.real)) {
     setup.poses = data_io::PosesOfRecording(*setup.real);
   } else {
@@ -176,6 +177,9 @@ view::ViewSetup SetUpView(const ViewOptions& options) {
   setup.margin_deg = options.margin_deg;
   setup.ghost_order = options.ghost_order;
   setup.compare = options.comparison.For(setup.sonar.axes);
+  setup.inputs = cli::OptionFiles(options);
+  setup.inputs.insert(setup.inputs.begin(), {options.scene, cli::SonarFile(options.sonar), options.params,
+                                             options.poses, options.real});
   return setup;
 }
 
@@ -226,7 +230,10 @@ void SetupView(CLI::App& app) {
       ->check(CLI::Range(0, 65535).description(""));
   command->add_flag("--open,!--no-browser", options->open,
                     "Open the page in the desktop's browser (default: no)");
-  cli::OnRun(command, options->common, [options] { return RunView(*options); });
+  cli::OnRun(command, options->common, [command, options] {
+    cli::RefuseUnusedSegmentation(*command, options->comparison);
+    return RunView(*options);
+  });
 }
 
 }  // namespace sonarcal::commands

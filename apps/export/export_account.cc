@@ -74,6 +74,9 @@ std::vector<std::pair<std::string, std::string>> Unused(const ParameterSet& para
   if (display.law != DisplayLaw::kPower) add("display.exponent", "of another law");
   if (parameters.noise_level_db == 0.0) add("noise_level_db", "is 0");
   if (parameters.array_gain_db == 0.0) add("array_gain_db", "is 0");
+  add("source_level_sigma_db", "of a fit alone");
+  for (const auto& [name, material] : parameters.materials)
+    unused.emplace_back(fmt::format("material.{}.prior", name), "of a fit alone");
   return unused;
 }
 

@@ -43,6 +43,7 @@ double SpeckleSpread(const ParameterSet& parameters) {
 double FloorOfFullScale(const ExportSource& source) {
   if (source.parameters.model == EchoModel::kPaper) return 0.0;
   const PolarAxes& axes = source.sonar.axes;
+  sim::CheckTapers(source.parameters.receiver, axes.beam_count());
   double sum = 0.0;
   for (int beam = 0; beam < axes.beam_count(); ++beam) {
     sum += sim::NoisePower(source.parameters.receiver, axes.range_max_m, beam, source.absorption_db_per_m);
@@ -87,6 +88,7 @@ void AccountForTheRest(const std::string& simulator, ExportAccount& account) {
   no("jitter.", "errors of a ray in range and azimuth");
   no("display.", "display in dB: its values are linear");
   no("sonar.azimuth_beam_width_deg", "width of one beam: beams are as wide as their spacing");
+  no("sonar.pings.", "pings that receive a part of the beams each");
   no("sonar.beam_forming", "receiver noise that neighbouring beams share");
   no("sonar.frequency_hz", "frequency");
   no("sonar.sound_speed_m_per_s", "speed of sound");

@@ -25,7 +25,7 @@ void AccountForMaterials(const std::map<std::string, CosineLaw>& laws, const std
 double SpeckleSpread(const ParameterSet& parameters);
 
 // Returns the power of the noise floor at range_max_m divided by that at full scale; 0 without a floor.
-// Treats every display as logarithmic.
+// Treats every display as logarithmic. Throws DataError if a noise taper does not have one value per beam.
 double FloorOfFullScale(const ExportSource& source);
 
 // Returns sigma of a Rayleigh law whose mean is that floor.

@@ -283,8 +283,7 @@ def _simulate(
     scene: Scene,
     sonar: Sonar,
     params: Parameters,
-    poses: Sequence[Pose],
-    times_s: Sequence[Optional[float]],
+    poses: Union[Recording, _Path, Sequence[Pose]],
     scene_path: str,
     options: SimulateOptions,
     progress: _Progress,
@@ -300,7 +299,12 @@ def _compare(
     progress: _Progress,
 ) -> _ComparedRecordings: ...
 def _fit(
-    recording: Recording, scene: Scene, params: Parameters, options: FitOptions, progress: _Progress, say: _Say
+    recording: Recording,
+    scene: Scene,
+    params: Union[Parameters, _Path],
+    options: FitOptions,
+    progress: _Progress,
+    say: _Say,
 ) -> _Fit: ...
 def _calibrate(
     recording: Recording,

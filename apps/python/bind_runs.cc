@@ -1,8 +1,10 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <filesystem>
 #include <memory>
 #include <utility>
+#include <variant>
 
 #include <nlohmann/json.hpp>
 
@@ -20,6 +22,7 @@
 #include "apps/workflow/simulate.h"
 #include "apps/workflow/task/recording_transfer.h"
 #include "core/types/frame_list.h"
+#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
 #include "metrics/json/metrics_json.h"
 #include "metrics/segmentation/segmentation.h"
@@ -31,22 +34,29 @@ namespace py = pybind11;
 
 using Recording = std::shared_ptr<RecordingSource>;
 
-std::vector<data_io::TimedPose> Timed(const std::vector<Pose>& poses,
-                                      const std::vector<std::optional<double>>& times_s) {
+std::vector<data_io::TimedPose> WithoutTimes(const std::vector<Pose>& poses) {
   std::vector<data_io::TimedPose> timed;
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    timed.push_back({.time_s = i < times_s.size() ? times_s[i] : std::nullopt, .world_from_sonar = poses[i]});
+  for (const Pose& pose : poses) timed.push_back({.time_s = {}, .world_from_sonar = pose});
   return timed;
 }
 
+// Recordings and files also state times, and may state motion.
+using PoseSource = std::variant<Recording, std::filesystem::path, std::vector<Pose>>;
+
+std::vector<data_io::TimedPose> PosesOf(const PoseSource& source) {
+  if (const auto* recording = std::get_if<Recording>(&source)) return data_io::PosesOfRecording(**recording);
+  if (const auto* file = std::get_if<std::filesystem::path>(&source))
+    return data_io::ReadPosesOrRecording(*file);
+  return WithoutTimes(std::get<std::vector<Pose>>(source));
+}
+
 Recording Simulate(const Scene& scene, const workflow::SonarChoice& sonar, const ParameterSet& parameters,
-                   const std::vector<Pose>& poses, const std::vector<std::optional<double>>& times_s,
-                   const std::string& scene_path, const workflow::SimulateOptions& options,
-                   py::object progress, py::object say) {
+                   const PoseSource& poses, const std::string& scene_path,
+                   const workflow::SimulateOptions& options, py::object progress, py::object say) {
   Listener listener(std::move(progress), std::move(say));
   const py::gil_scoped_release release;
   return listener.Run([&](const workflow::Listener& task) {
-    return workflow::Simulate(scene, sonar, parameters, Timed(poses, times_s), options, task, scene_path);
+    return workflow::Simulate(scene, sonar, parameters, PosesOf(poses), options, task, scene_path);
   });
 }
 
@@ -73,7 +83,16 @@ ComparedRecordings Compare(Recording real, Recording simulated, workflow::Compar
   return {std::move(real), std::move(simulated), std::move(comparison)};
 }
 
-py::tuple Fit(const RecordingSource& recording, const Scene& scene, const ParameterSet& start,
+// Start of a fit. Materials of a file may have a prior and no curve, as for `sonarcal fit`.
+using StartSource = std::variant<std::filesystem::path, ParameterSet>;
+
+ParameterSet StartOf(const StartSource& source, const workflow::MaterialOptions& materials) {
+  if (const auto* file = std::get_if<std::filesystem::path>(&source))
+    return data_io::ReadStartParameters(*file, materials.Known());
+  return std::get<ParameterSet>(source);
+}
+
+py::tuple Fit(const RecordingSource& recording, const Scene& scene, const StartSource& start,
               const workflow::FitOptions& options, py::object progress, py::object say) {
   Listener listener(std::move(progress), std::move(say));
   workflow::RecordingFit fit;
@@ -81,7 +100,7 @@ py::tuple Fit(const RecordingSource& recording, const Scene& scene, const Parame
   {
     const py::gil_scoped_release release;
     fit = listener.Run([&](const workflow::Listener& task) {
-      return workflow::Fit(recording, scene, start, options, task);
+      return workflow::Fit(recording, scene, StartOf(start, options.materials), options, task);
     });
     report = commands::FitJson(fit);
   }
@@ -101,7 +120,7 @@ py::tuple Locate(const RecordingSource& recording, const Scene& target, const st
   {
     const py::gil_scoped_release release;
     location = listener.Run([&](const workflow::Listener& task) {
-      return workflow::Locate(recording, target, frames, options, Timed(start, {}), task);
+      return workflow::Locate(recording, target, frames, options, WithoutTimes(start), task);
     });
     poses = data_io::PosesText(location.Poses());
   }
@@ -233,8 +252,7 @@ void BindRuns(py::module_& module) {
   BindComparedRecordings(module);
   BindCauseMap(module);
   module.def("_simulate", &Simulate, py::arg("scene"), py::arg("sonar"), py::arg("params"), py::arg("poses"),
-             py::arg("times_s"), py::arg("scene_path"), py::arg("options"), py::arg("progress"),
-             py::arg("say"));
+             py::arg("scene_path"), py::arg("options"), py::arg("progress"), py::arg("say"));
   module.def("_compare", &Compare, py::arg("real"), py::arg("simulated"), py::arg("options"),
              py::arg("frames"), py::arg("scene"), py::arg("residuals_by_scene"), py::arg("progress"));
   module.def("_fit", &Fit, py::arg("recording"), py::arg("scene"), py::arg("params"), py::arg("options"),

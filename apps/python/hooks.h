@@ -25,11 +25,13 @@ class Listener {
   void Say(const std::string& sentence) const;
 
   // Runs `task(const workflow::Listener&)`. Ceres is not written to be left by an exception: a solver is
-  // asked to stop, and what Python raised is thrown after it.
+  // asked to stop, and what Python raised is thrown after it, also if the task returns what it has finished.
   template <typename Task>
   auto Run(Task&& task) {
     try {
-      return task(ForTask());
+      auto result = task(ForTask());
+      if (raised_) std::rethrow_exception(raised_);
+      return result;
     } catch (const calib::FitStopped&) {
       if (raised_) std::rethrow_exception(raised_);
       throw;

@@ -274,7 +274,7 @@ ViewAnswer ViewApi::Save(std::string_view body) {
                                                {"noise", state.noise},
                                                {"frame", state.frame},
                                                {"simulate", files.command}},
-                             .inputs = {setup.scene_path}};
+                             .inputs = setup.inputs};
   if (state.noise) provenance.seed = state.seed;
   cli::WriteProvenance(output.staging(), provenance);
   output.Commit();

@@ -51,7 +51,7 @@ class ViewFit {
   // Requests the end of a fit; it ends at its next step. No effect without a fit.
   void Stop() { stop_ = true; }
 
-  // {"state": "none" | "running" | "stopping" | "done" | "stopped" | "failed", "elapsed_s", "doing",
+  // {"state": "none" | "running" | "stopping" | "done" | "stopped" | "failed", "elapsed_s",
   //  "frames_traced", "frames", "lines": [...], "error": why it failed, "result": see ResultJson}
   nlohmann::ordered_json Status() const;
 

@@ -43,7 +43,8 @@ struct ViewSetup {
   int ghost_order = 1;
   std::shared_ptr<const RecordingSource> real;  // thread-safe; as many frames as poses; null: none
   metrics::CompareOptions compare;
-  workflow::MaterialOptions materials = {};  // priors of a fit
+  workflow::MaterialOptions materials = {};        // priors of a fit
+  std::vector<std::filesystem::path> inputs = {};  // files that were read
 };
 
 struct ViewImage {

@@ -15,7 +15,7 @@
 #include "apps/workflow/drawn_floor.h"
 #include "apps/workflow/scene_geometry.h"
 #include "core/types/error.h"
-#include "data_io/pose_io.h"
+#include "core/types/pose.h"
 #include "metrics/json/against.h"
 
 namespace sonarcal::workflow {
@@ -123,13 +123,14 @@ class PairComparer {
 
 }  // namespace
 
-std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses,
-                              const std::vector<int>& compared) {
+std::set<int> FramesWithBoxes(const RecordingSource& real, const std::vector<int>& compared) {
   constexpr int kFloorPairs = 100;  // metrics::MeasureNoiseFloor
   std::set<int> frames(compared.begin(), compared.end());
   int pairs = 0;
-  for (int i = 0; i + 1 < static_cast<int>(poses.size()) && pairs < kFloorPairs; ++i) {
-    if (!IsSamePose(poses[i].world_from_sonar, poses[i + 1].world_from_sonar)) continue;
+  for (int i = 0; i + 1 < real.frame_count() && pairs < kFloorPairs; ++i) {
+    const std::optional<Pose> pose = real.frame_info(i).world_from_sonar;
+    const std::optional<Pose> next = real.frame_info(i + 1).world_from_sonar;
+    if (pose && next && !IsSamePose(*pose, *next)) continue;
     frames.insert(i);
     ++pairs;
   }
@@ -315,11 +316,22 @@ metrics::SweepOptions SweepOf(const CompareOptions& options) {
   return sweep;
 }
 
-// Poses of the simulation. If it states none, poses of the real recording.
-std::vector<data_io::TimedPose> ObjectPoses(const RecordingSource& real, const RecordingSource& simulated) {
-  const bool states_pose =
-      simulated.frame_count() > 0 && simulated.frame_info(0).world_from_sonar.has_value();
-  return data_io::PosesOfRecording(states_pose ? simulated : real);
+// Search boxes of the object. A frame without any pose has none, and throws DataError if it is compared.
+std::map<int, metrics::PixelBox> ObjectBoxes(const RecordingSource& real, const RecordingSource& simulated,
+                                             const std::vector<int>& compared, const SceneGeometry& geometry,
+                                             const metrics::ObjectSearch& object) {
+  std::map<int, metrics::PixelBox> boxes;
+  for (const int frame : FramesWithBoxes(real, compared)) {
+    if (const std::optional<Pose> pose = PoseInScene(real, simulated, frame)) {
+      boxes.emplace(frame, geometry.ObjectBox(*pose, object));
+    } else if (std::ranges::find(compared, frame) != compared.end()) {
+      throw DataError(
+          "frame {} has no 'world_from_sonar' in {} and in {}, expected it in one of them, to "
+          "search the object '{}'",
+          frame, real.info().source, simulated.info().source, object.material);
+    }
+  }
+  return boxes;
 }
 
 }  // namespace
@@ -347,10 +359,7 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
   if (compare.compare.object) {
     if (!geometry) throw UsageError("--object needs --scene, because neither recording names its scene");
     CheckObject(*compare.compare.object, geometry->material_names());
-    const std::vector<data_io::TimedPose> poses = ObjectPoses(real, simulated);
-    for (const int frame : FramesWithBoxes(poses, comparison.frames))
-      compare.boxes.emplace(frame,
-                            geometry->ObjectBox(poses[frame].world_from_sonar, *compare.compare.object));
+    compare.boxes = ObjectBoxes(real, simulated, comparison.frames, *geometry, *compare.compare.object);
   }
   FrameGatherer gatherer(real, simulated, geometry && residuals_by_scene ? &*geometry : nullptr);
   metrics::MetricsReport& metrics = comparison.metrics;

@@ -19,7 +19,6 @@
 #include "core/types/parameters.h"
 #include "core/types/recording.h"
 #include "core/types/scene.h"
-#include "data_io/pose_io.h"
 #include "metrics/json/comparison_part.h"
 #include "metrics/json/metrics_json.h"
 
@@ -49,8 +48,8 @@ using OnComparedFrame = std::function<void(const PolarImage& real, const PolarIm
                                            const metrics::FrameMetrics& metrics)>;
 
 // Frames whose search box of the object is needed: those of `compared`, and those that the noise floor
-// compares with the next frame, because both have one pose.
-std::set<int> FramesWithBoxes(const std::vector<data_io::TimedPose>& poses, const std::vector<int>& compared);
+// compares with the next frame, because no recorded poses say that the sonar moved between them.
+std::set<int> FramesWithBoxes(const RecordingSource& real, const std::vector<int>& compared);
 
 // Returns the frames that CompareRecordings compares: `asked`, or all if it is empty. Throws DataError if a
 // frame is missing in one recording.

@@ -365,6 +365,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
     };
   }
   result.ray_options.sampling = simulator.options().fan.sampling;
+  result.ray_options.ray_weight = simulator.options().fan.weight;
   calib::FitReport& report = result.fit.report;
   if (!rays.warning.empty()) report.warnings.insert(report.warnings.begin(), rays.warning);
   report.warnings.insert(report.warnings.begin(), assumed.begin(), assumed.end());
@@ -386,7 +387,7 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
   judge.frames = result.judged_on_held_out ? split.held_out : split.used;
   if (const std::optional<metrics::ObjectSearch>& object = options.comparison.object) {
     const SceneGeometry geometry_of(fitted_simulator->caster(), fitted_simulator->sonar());
-    for (const int frame : FramesWithBoxes(fitted_poses, judge.frames))
+    for (const int frame : FramesWithBoxes(recording, judge.frames))
       judge.boxes.emplace(frame, geometry_of.ObjectBox(fitted_poses[frame].world_from_sonar, *object));
   }
   result.after = CompareRecordings(recording, after, judge);
@@ -467,18 +468,12 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
 
 namespace {
 
-// Limits a fit to these frames, of which the last third is held out if the configuration names none.
-void TakeFrames(std::vector<int> frames, calib::FitConfig& config) {
-  std::ranges::sort(frames);
-  if (!config.held_out) {
-    const std::ptrdiff_t count = std::ssize(frames);
-    const std::ptrdiff_t fitted = count < 2 ? count : count - std::max<std::ptrdiff_t>(1, count / 3);
-    config.held_out.emplace(frames.begin() + fitted, frames.end());
-  }
-  std::erase_if(frames, [&](int frame) {
-    return std::ranges::find(*config.held_out, frame) != config.held_out->end();
-  });
+// Limits a fit to these frames, of which some are held out.
+void TakeFrames(std::vector<int> frames, int frame_count, calib::FitConfig& config) {
   config.used = std::move(frames);
+  calib::FrameSplit split = calib::SplitFrames(config, frame_count);
+  config.used = std::move(split.used);
+  config.held_out = std::move(split.held_out);
 }
 
 bool FreesGroup(const calib::FitConfig& config, std::initializer_list<std::string_view> beginnings) {
@@ -529,7 +524,7 @@ calib::FitConfig ResolveFitConfig(const FitOptions& options, const ParameterSet&
   }
   if (!options.fixed.empty()) config.fixed = options.fixed;
   if (!options.held_out.empty()) config.held_out = options.held_out.In(frame_count, kHeldOutFrame);
-  if (!options.frames.empty()) TakeFrames(options.frames.In(frame_count), config);
+  if (!options.frames.empty()) TakeFrames(options.frames.In(frame_count), frame_count, config);
   AddMaterialPriors(options.materials, start, scene, config);
   return config;
 }

@@ -72,7 +72,7 @@ struct IncidenceRange {
 
 struct RecordingFit {
   RayGridSize rays;        // as cast
-  RayOptions ray_options;  // with a sampling
+  RayOptions ray_options;  // with a sampling and a weight
   calib::FitResult fit;    // with a complete report: frames, rays, times
   ParameterSet initial;
   // Poses of all frames of the recording if the fit moved poses. Empty: as recorded.

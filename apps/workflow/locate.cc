@@ -99,7 +99,7 @@ class Locator {
 
   Location Run(const std::vector<int>& frames, const std::vector<data_io::TimedPose>& start) {
     std::vector<Frame> read;
-    for (const int index : frames) read.push_back(recording_.ReadFrame(index));
+    for (const int index : frames) read.push_back(ReadFrame(index));
     Prepare(read.front().image);
     std::vector<Frame> posed;
     try {
@@ -128,6 +128,17 @@ class Locator {
   }
 
  private:
+  // Throws DataError for a frame with other axes than the recording, whose axes the search uses.
+  Frame ReadFrame(int index) const {
+    Frame frame = recording_.ReadFrame(index);
+    std::string why;
+    if (!frame.image.axes.Matches(recording_.info().sonar.axes, &why)) {
+      throw DataError("{}: frame {} and the recording have {}, expected one geometry for all frames",
+                      recording_.info().source, index, why);
+    }
+    return frame;
+  }
+
   void Prepare(const PolarImage& image) {
     RecordingInfo info = recording_.info();
     std::vector<std::string> notes;

@@ -92,6 +92,13 @@ metrics::PixelBox SceneGeometry::ObjectBox(const Pose& world_from_sonar,
   return metrics::BoxOf(shown, object.margin);
 }
 
+std::optional<Pose> PoseInScene(const RecordingSource& real, const RecordingSource& simulated, int frame) {
+  if (frame < simulated.frame_count()) {
+    if (const std::optional<Pose> pose = simulated.frame_info(frame).world_from_sonar) return pose;
+  }
+  return real.frame_info(frame).world_from_sonar;
+}
+
 GeometryResiduals::GeometryResiduals(const std::vector<std::string>& material_names) {
   metrics::ResidualTable by_incidence{.by = "incidence", .unit = "degrees", .classes = {}};
   for (int i = 0; i < kClasses; ++i) {
@@ -128,7 +135,10 @@ void GeometryResiduals::Add(const CellGeometry& geometry, const PolarImage& real
 
 FrameGatherer::FrameGatherer(const RecordingSource& real, const RecordingSource& simulated,
                              const SceneGeometry* scene)
-    : real_(real), valid_(ValidInBoth(real.info(), simulated.info())), geometry_(scene) {
+    : real_(real),
+      simulated_(simulated),
+      valid_(ValidInBoth(real.info(), simulated.info())),
+      geometry_(scene) {
   if (geometry_ != nullptr) by_scene_.emplace(geometry_->material_names());
 }
 
@@ -154,7 +164,7 @@ void FrameGatherer::MoveInto(metrics::MetricsReport& metrics) {
 
 void FrameGatherer::AddGeometry(const PolarImage& recorded, const PolarImage& rendered,
                                 const metrics::FrameMetrics& frame) {
-  const std::optional<Pose> pose = real_.frame_info(frame.index).world_from_sonar;
+  const std::optional<Pose> pose = PoseInScene(real_, simulated_, frame.index);
   if (!pose || !real_.info().sonar.axes.Matches(recorded.axes)) {
     ++without_geometry_;
     return;

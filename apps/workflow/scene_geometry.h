@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "core/types/mask.h"
+#include "core/types/pose.h"
 #include "core/types/recording.h"
-#include "data_io/pose_io.h"
 #include "metrics/json/metrics_json.h"
 #include "metrics/measures/residuals.h"
 #include "metrics/segmentation/object_region.h"
@@ -56,6 +56,10 @@ class SceneGeometry {
   sim::RayFan fan_;
 };
 
+// Pose from which a comparison sees the scene in a frame: that of the simulation, otherwise the recorded one.
+// Absent if neither recording states one.
+std::optional<Pose> PoseInScene(const RecordingSource& real, const RecordingSource& simulated, int frame);
+
 // Residuals by incidence angle (classes of 5 degrees) and by material, over all added frames.
 class GeometryResiduals {
  public:
@@ -88,6 +92,7 @@ class FrameGatherer {
                    const metrics::FrameMetrics& frame);
 
   const RecordingSource& real_;
+  const RecordingSource& simulated_;
   std::optional<Mask> valid_;
   metrics::ResidualCollector residuals_;
   const SceneGeometry* geometry_;

@@ -5,6 +5,7 @@
 
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pose_io.h"
 #include "data_io/recordings/recording_io.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
@@ -65,14 +66,14 @@ class ObjectRegion : public ::testing::Test {
     }
   }
 
-  std::string FitArguments() const {
+  std::string FitArguments(const std::string& free = "material.*.gsab.C") const {
     ParameterSet start = data_io::ReadParameters(world_.params());
     for (auto& [name, material] : start.materials) material.gsab.c *= 3.0;
     data_io::WriteParameters(world_ / "start.json", start);
     return fmt::format(
         "fit --real {} --scene {} --params {} --out {} --rays 96x200 --starts 1 "
-        "--max-iterations 10 --free 'material.*.gsab.C' --held-out 1,3 --object box",
-        Quoted(real_), Quoted(world_.scene()), Quoted(world_ / "start.json"), Quoted(world_ / "fit"));
+        "--max-iterations 10 --free '{}' --held-out 1,3 --object box",
+        Quoted(real_), Quoted(world_.scene()), Quoted(world_ / "start.json"), Quoted(world_ / "fit"), free);
   }
 
   TinyWorld world_;
@@ -90,6 +91,38 @@ TEST_F(ObjectRegion, CompareGivesTheFiguresOfAnAcousticFitFromItsExpectedImageAn
   Run(FitArguments());
   ExpectFitScoresAs("metrics_after", "--expected");
   ExpectFitScoresAs("sample_metrics_after", "--noise --seed 1000000001");  // docs/reference/fit_json.md
+}
+
+// Frames 0 and 1 have one recorded pose. Their fitted poses differ.
+TEST_F(ObjectRegion, AFitWithFreePosesHasAFloorOfFramesWithOneRecordedPose) {
+  std::vector<data_io::TimedPose> poses = data_io::ReadPoses(world_.poses());
+  poses[1].world_from_sonar = poses[0].world_from_sonar;
+  data_io::WritePoses(world_.poses(), poses);
+  MakeRecording(testing::TinyAcousticParameters());
+  Run(FitArguments("pose,material.*.gsab.C"));
+  const Json floor =
+      ReadJsonFile(world_ / "fit/fit.json")["metrics_after"]["noise_floor"]["real_against_real"];
+  EXPECT_EQ(floor["pairs"], 1) << floor;
+}
+
+TEST_F(ObjectRegion, CompareTakesThePosesOfTheSimulationForBoxAndResiduals) {
+  MakeRecording(testing::TinyParameters());
+  world_.WriteSimulated("sim");
+  Json json = ReadJsonFile(real_ / "recording.json");
+  for (Json& frame : json["frames"]) frame.erase("world_from_sonar");
+  testing::WriteFile(real_ / "recording.json", json.dump());
+  Run(Compare("sim", "--object box --scene " + Quoted(world_.scene())));
+  const Json compared = ReadJsonFile(world_ / "compared/metrics.json");
+  EXPECT_THAT(compared["notes"].dump(), Not(HasSubstr("state no pose")));
+  EXPECT_TRUE(compared["frames"][0].contains("object_region"));
+
+  json = ReadJsonFile(world_ / "sim/recording.json");
+  json["frames"][2].erase("world_from_sonar");
+  testing::WriteFile(world_ / "sim/recording.json", json.dump());
+  const Outcome outcome = RunSonarcal(Compare("sim", "--object box --scene " + Quoted(world_.scene())));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("frame 2 has no 'world_from_sonar' in "));
 }
 
 TEST_F(ObjectRegion, ExplainScoresItsLastStepAsCompareDoes) {

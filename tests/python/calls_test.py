@@ -89,6 +89,10 @@ def calibrate(world, **options):
     return sonarcal.calibrate(recording, world.scene, rays="48x100", **options)
 
 
+def locate(world, simulated, **options):
+    return sonarcal.locate(simulated, world.scene, floor_material="floor", ray_height=1.0, **options)
+
+
 def transfer(recorded, **options):
     real = sonarcal.open_recording(recorded)
     masks = sonarcal.recording([sonarcal.segment(frame.image) * 255.0 for frame in real], real.sonar)
@@ -103,6 +107,7 @@ RUNS = {
     "fit": ("Fitting", lambda w, r, s, f, p: fit(w, r, progress=p)),
     "explain": ("Fitting", lambda w, r, s, f, p: explain(w, progress=p)),
     "calibrate": ("Fitting", lambda w, r, s, f, p: calibrate(w, progress=p)),
+    "locate": ("Fitting", lambda w, r, s, f, p: locate(w, s, progress=p)),
     "judge_noise": ("Judging", lambda w, r, s, f, p: sonarcal.judge_noise(r, ACOUSTIC, progress=p)),
     "transfer": ("Training", lambda w, r, s, f, p: transfer(r, progress=p)),
     "residual_view": ("Tracing", lambda w, r, s, f, p: sonarcal.residual_view(r, w.scene, PARAMETERS, progress=p)),

@@ -65,7 +65,8 @@ def test_the_scene_that_a_recording_names_holds_the_object(recorded, simulated, 
 
 def test_frames_are_chosen_by_number_range_or_text(recorded, simulated):
     whole = sonarcal.compare(recorded, simulated)
-    for frames, expected in (([2, 0], [2, 0]), (range(1, 3), [1, 2]), ("1:3", [1, 2]), ("3,0:2", [3, 0, 1])):
+    for frames, expected in (([2, 0], [2, 0]), (range(1, 3), [1, 2]), ("1:3", [1, 2]), ("3,0:2", [3, 0, 1]),
+                             (np.array([0]), [0]), (np.array([0, 2]), [0, 2])):
         chosen = sonarcal.compare(recorded, simulated, frames=frames)
         assert [frame["index"] for frame in chosen["frames"]] == expected
         assert [frame["iou"] for frame in chosen["frames"]] == [whole["frames"][i]["iou"] for i in expected]

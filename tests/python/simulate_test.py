@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sonarcal
-from conftest import ACOUSTIC, PARAMETERS, RAYS
+from conftest import ACOUSTIC, PARAMETERS, RAYS, SONAR
 
 
 @pytest.mark.parametrize("model, noise", [("paper", False), ("paper", True), ("acoustic", False), ("acoustic", True),
@@ -59,6 +59,26 @@ def test_times_of_a_recording_are_kept(world, tmp_path):
     again = sonarcal.simulate(world.scene, timed, PARAMETERS, timed, rays=RAYS)
     assert again.times_s() == [0.0, 0.5, 1.5, 4.0]
     assert again.synthetic and again.details
+
+
+def test_times_and_motion_of_a_file_and_of_a_recording_are_those_of_the_command(world, tmp_path):
+    """A sonar that turns while four pings receive its beams."""
+    pings = {"of_beam": [beam % 4 for beam in range(24)], "period_s": 0.01}
+    sonar_file, poses_file = tmp_path / "sonar.json", tmp_path / "poses.json"
+    sonar_file.write_text(json.dumps({**SONAR, "sonar": {**SONAR["sonar"], "pings": pings}}))
+    poses = json.loads(world.poses_file.read_text())
+    for index, pose in enumerate(poses["poses"]):
+        pose.update(time_s=10.0 * index, motion={"turn_rate_deg_per_s": [0, 0, 66]})
+    poses_file.write_text(json.dumps(poses))
+    world.command("simulate", "--scene", world.scene_file, "--sonar", sonar_file, "--params", world.params_file, "--poses",
+                  poses_file, "--rays", "96x200", "--quiet", "--out", tmp_path / "turning")
+    by_command = sonarcal.open_recording(tmp_path / "turning")
+    still = sonarcal.simulate(world.scene, sonar_file, PARAMETERS, world.poses, rays=RAYS)
+    for source in (poses_file, str(poses_file), tmp_path / "turning", by_command):
+        recording = sonarcal.simulate(world.scene, sonar_file, PARAMETERS, source, rays=RAYS)
+        assert recording.times_s() == [0.0, 10.0, 20.0, 30.0]
+        np.testing.assert_array_equal(recording[0].image.value, by_command[0].image.value)
+        assert np.any(recording[0].image.value != still[0].image.value)
 
 
 def test_tells_progress(world):

@@ -141,7 +141,7 @@ def test_help_shows_units_limits_words_and_defaults():
     text = {option["name"]: option["text"] for option in sonarcal.FitOptions.describe()}
     assert text["region_range"].endswith("(low, high) in m; default: None.")
     assert text["starts"].endswith("int; 1 to 100; default: 4.")
-    assert "'even', 'solid_angle'; default: 'even'." in text["ray_weight"]
+    assert "'even', 'solid_angle'; default: even; " in text["ray_weight"]
     assert "list of int, or text such as '3,80:'; default: the last third" in text["held_out"]
 
 

@@ -8,11 +8,14 @@
 //   poses.json     poses of the frames
 //   plan.json      the decisions: --plan repeats the run, or overrides any of them
 //   report.html
+//
+// A calibration whose last fits have no usable solution writes only fit.json and plan.json.
 #include <fmt/format.h>
 
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -133,15 +136,19 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
       });
   std::filesystem::remove(output / kStarted);
 
-  cli::Provenance provenance{
-      .command = "calibrate", .configuration = configuration, .inputs = {options.real, options.scene}};
-  for (const std::filesystem::path& path : {options.poses, options.background, options.plan}) {
-    if (!path.empty()) provenance.inputs.push_back(path);
-  }
-  const workflow::RecordingFit& fit = calibration.fit;
+  std::vector<std::filesystem::path> inputs = cli::OptionFiles(options.calibrate);
+  inputs.insert(inputs.begin(),
+                {options.real, options.scene, options.poses, options.background, options.plan});
+  const cli::Provenance provenance{
+      .command = "calibrate", .configuration = configuration, .inputs = std::move(inputs)};
+  // The figures are those of the evaluation, so that both last fits need a solution.
+  const workflow::RecordingFit& fit =
+      calibration.evaluation.fit.usable ? calibration.fit : calibration.evaluation;
   const std::string fit_json = FitJson(fit);
   data_io::WriteFileWhole(output / "fit.json", fit_json);
   data_io::WriteFileWhole(output / kPlan, data_io::JsonText(workflow::CalibrationPlanJson(calibration.plan)));
+  cli::WriteProvenance(output.staging(), provenance);
+  if (!fit.fit.usable) return EndFitWithoutSolution(NoSolutionText(fit.fit.report), options.out, output);
   data_io::WriteParameters(output / "params.json", fit.fit.parameters);
   data_io::WritePoses(output / "poses.json",
                       fit.poses.empty() ? data_io::PosesOfRecording(*recording) : fit.poses);
@@ -149,7 +156,6 @@ cli::ExitStatus RunCalibrate(const CalibrateCommandOptions& options) {
   RecordingInfo sonar = recording->info();
   sonar.sonar.axes = Corrected(sonar.sonar.axes, fit.geometry);
   data_io::WriteSonarFile(output / "sonar.json", sonar);
-  cli::WriteProvenance(output.staging(), provenance);
   return EndFit(MakeReport(calibration, recording->info(), cli::ProvenanceToJson(provenance)), fit_json,
                 report::CalibrationText(calibration) +
                     fmt::format("report: {}\n", (options.out / "report.html").string()),

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -271,6 +272,7 @@ std::string FitJson(const workflow::RecordingFit& fit) {
 }
 
 cli::ExitStatus RunFit(const FitCommandOptions& options) {
+  const workflow::ThreadLimit threads(options.fit.rays.threads);
   workflow::ReturnLargeBlocks();
   if (options.noise_only && !options.fit.choose.empty())
     throw UsageError("--choose is not for --noise-only, which chooses by itself");
@@ -301,21 +303,16 @@ cli::ExitStatus RunFit(const FitCommandOptions& options) {
        .message = [&](const std::string& sentence) { cli::PrintNote(options.common, sentence); },
        .stop = {}});
 
-  cli::Provenance provenance{.command = "fit",
-                             .configuration = ConfigurationJson(options, config, fit),
-                             .inputs = {options.real, options.scene, options.params}};
-  if (options.fit.config) provenance.inputs.push_back(options.fit.config.file);
-  if (!options.poses.empty()) provenance.inputs.push_back(options.poses);
+  std::vector<std::filesystem::path> inputs = cli::OptionFiles(options.fit);
+  inputs.insert(inputs.begin(),
+                {options.real, cli::SonarFile(options.sonar), options.scene, options.params, options.poses});
+  const cli::Provenance provenance{.command = "fit",
+                                   .configuration = ConfigurationJson(options, config, fit),
+                                   .inputs = std::move(inputs)};
   const std::string fit_json = FitJson(fit);
   data_io::WriteFileWhole(output / "fit.json", fit_json);
   cli::WriteProvenance(output.staging(), provenance);
-  if (!fit.fit.usable) {
-    const std::string& termination = fit.fit.report.termination;
-    return EndFitWithoutSolution(
-        fmt::format("the fit ended without a usable solution ({})",
-                    termination.empty() ? "the frames determine no parameter" : termination),
-        options.out, output);
-  }
+  if (!fit.fit.usable) return EndFitWithoutSolution(NoSolutionText(fit.fit.report), options.out, output);
   data_io::WriteParameters(output / "params.json", fit.fit.parameters);
   if (!fit.poses.empty()) data_io::WritePoses(output / "poses.json", fit.poses);
   WriteCalibratedSonar(output, recording->info(), fit);

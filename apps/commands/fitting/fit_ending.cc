@@ -20,6 +20,11 @@ cli::ExitStatus EndFit(const report::HtmlReport& report, const std::string& fit_
   return cli::ExitStatus::kDone;
 }
 
+std::string NoSolutionText(const calib::FitReport& report) {
+  return fmt::format("the fit ended without a usable solution ({})",
+                     report.termination.empty() ? "the frames determine no parameter" : report.termination);
+}
+
 cli::ExitStatus EndFitWithoutSolution(const std::string& sentence, const std::filesystem::path& out,
                                       cli::RunOutput& output) {
   output.Commit();

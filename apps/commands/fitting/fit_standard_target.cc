@@ -11,6 +11,7 @@
 #include "apps/cli/progress.h"
 #include "apps/cli/provenance.h"
 #include "apps/cli/run_output.h"
+#include "apps/cli/sonar_option.h"
 #include "apps/commands/fitting/fit_ending.h"
 #include "apps/commands/fitting/recorded_display.h"
 #include "apps/report/html/report_end.h"
@@ -57,28 +58,24 @@ calib::TargetLevel LevelIn(const std::filesystem::path& fit_json) {
 cli::Provenance ProvenanceOf(const FitCommandOptions& options, const calib::StandardTargetOptions& fit,
                              const Water& water) {
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  cli::Provenance provenance{
-      .command = "fit",
-      .configuration = {{"standard_target", options.standard_target.shape},
-                        {"material", fit.sphere.material},
-                        {"diameter_mm", *options.standard_target.diameter_mm},
-                        {"bandwidth_khz", number(options.standard_target.bandwidth_khz)},
-                        {"temperature_sigma_c", fit.sphere.temperature_sigma_c},
-                        {"second_target", options.standard_target.second.string()},
-                        {"range_min_m", number(options.range_min_m)},
-                        {"range_max_m", number(options.range_max_m)},
-                        {"real", options.real.string()},
-                        {"sonar", options.sonar},
-                        {"params", options.params.string()},
-                        {"poses", options.poses.string()},
-                        {"out", options.out.string()},
-                        {"frames", fit.frames},
-                        {"water", workflow::WaterText(water)}},
-      .inputs = {options.real}};
-  if (!options.params.empty()) provenance.inputs.push_back(options.params);
-  if (!options.poses.empty()) provenance.inputs.push_back(options.poses);
-  if (!options.standard_target.second.empty()) provenance.inputs.push_back(options.standard_target.second);
-  return provenance;
+  return {.command = "fit",
+          .configuration = {{"standard_target", options.standard_target.shape},
+                            {"material", fit.sphere.material},
+                            {"diameter_mm", *options.standard_target.diameter_mm},
+                            {"bandwidth_khz", number(options.standard_target.bandwidth_khz)},
+                            {"temperature_sigma_c", fit.sphere.temperature_sigma_c},
+                            {"second_target", options.standard_target.second.string()},
+                            {"range_min_m", number(options.range_min_m)},
+                            {"range_max_m", number(options.range_max_m)},
+                            {"real", options.real.string()},
+                            {"sonar", options.sonar},
+                            {"params", options.params.string()},
+                            {"poses", options.poses.string()},
+                            {"out", options.out.string()},
+                            {"frames", fit.frames},
+                            {"water", workflow::WaterText(water)}},
+          .inputs = {options.real, cli::SonarFile(options.sonar), options.params, options.poses,
+                     options.standard_target.second}};
 }
 
 }  // namespace
@@ -137,7 +134,7 @@ cli::ExitStatus RunFitStandardTarget(const FitCommandOptions& options) {
   data_io::WriteParameters(output / "params.json", parameters);
   report::HtmlReport html("Standard target", workflow::RecordingName(info));
   report::AddSyntheticRecordingCallout(html, info.synthetic, workflow::RecordingName(info));
-  report::AddStandardTarget(html, fit, info.sonar.axes);
+  report::AddStandardTarget(html, fit, info.sonar.axes, info.synthetic);
   report::EndReport(html, cli::ProvenanceToJson(provenance));
   return EndFit(html, fit_json,
                 workflow::RecordingName(info) + "\n" + report::StandardTargetText(fit) +

@@ -1,6 +1,7 @@
 // `sonarcal judge-noise`: judges a noise law that `fit --noise-only` wrote on other pings, without a fit
 // (calib/noise/noise_judgement.h). Prints the figures, and with --out writes judgement.json and a report.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <memory>
@@ -67,6 +68,23 @@ report::HtmlReport MakeReport(const workflow::JudgedNoise& judged, const Recordi
   return report;
 }
 
+// States the source of the window and the speckle law that no option gives. Empty if options give both.
+std::string SourceText(const workflow::JudgeNoiseOptions& judge, const std::filesystem::path& fit) {
+  std::vector<std::string> parts;
+  if (!judge.range_min && !judge.range_max) {
+    parts.emplace_back("window");
+  } else if (!judge.range_min) {
+    parts.emplace_back("nearest range");
+  } else if (!judge.range_max) {
+    parts.emplace_back("farthest range");
+  }
+  if (!judge.speckle) parts.emplace_back("speckle");
+  if (parts.empty()) return {};
+  const std::string names = fmt::format("{}", fmt::join(parts, " and "));
+  return fit.empty() ? fmt::format("; no fit.json of the law beside it states {}", names)
+                     : fmt::format("; {} of {}", names, fit.string());
+}
+
 cli::ExitStatus RunJudgeNoise(const JudgeNoiseCommandOptions& options) {
   const ParameterSet parameters = data_io::ReadParameters(options.params);
   const workflow::FittedNoiseWindow fitted = workflow::ReadFittedWindow(options.params);
@@ -95,9 +113,7 @@ cli::ExitStatus RunJudgeNoise(const JudgeNoiseCommandOptions& options) {
       fmt::format("noise law {} on {} ping{}, without a fit; {:.2f} to {:.2f} m, {} speckle{}",
                   options.params.string(), judgement.frames.size(), judgement.frames.size() == 1 ? "" : "s",
                   cells.axes.range_edge_m(cells.first_bin), cells.axes.range_edge_m(cells.last_bin),
-                  ToString(judged.law.speckle),
-                  fitted.file.empty() ? "; no fit.json of the law beside it states window and speckle"
-                                      : fmt::format("; window and speckle of {}", fitted.file.string()));
+                  ToString(judged.law.speckle), SourceText(options.judge, fitted.file));
   Json json = report::NoiseJudgementFileJson(judgement);
   if (options.judge.false_alarms) json["false_alarms"] = report::FalseAlarmsJson(judged.false_alarms);
   if (output) {
@@ -115,7 +131,8 @@ cli::ExitStatus RunJudgeNoise(const JudgeNoiseCommandOptions& options) {
     cli::PrintJson(json);
   } else {
     cli::PrintResult(workflow::RecordingName(info) + ": " + subject + "\n" +
-                     report::NoiseJudgementText(judgement) + report::FalseAlarmsText(judged.false_alarms));
+                     report::NoiseJudgementText(judgement, info.synthetic) +
+                     report::FalseAlarmsText(judged.false_alarms));
     if (output) cli::PrintResult(fmt::format("report: {}\n", (options.out / "report.html").string()));
   }
   return cli::ExitStatus::kDone;

@@ -273,7 +273,7 @@ def simulate(
     params : Parameters, dict or path
         The parameters, which name the image model.
     poses : Recording, path, Pose or iterable of Pose
-        One pose per frame, or a recording or a file that has them.
+        One pose per frame, or a recording or a file that has them, with its times and the motion of the sonar.
     options : SimulateOptions or dict, optional
         Options. The keywords below override them.
     progress : callable, optional
@@ -290,14 +290,11 @@ def simulate(
         sonar = sonar.sonar
     elif not isinstance(sonar, Sonar):
         sonar = _sonarcal.sonar(os.fspath(sonar))
-    times_s: Sequence[Optional[float]] = []
     if isinstance(poses, Pose):
         poses = [poses]
-    elif isinstance(poses, Recording):
-        times_s, poses = poses.times_s(), poses.poses()
-    elif isinstance(poses, (str, os.PathLike)):
-        poses = read_poses(poses)
-    return _sonarcal._simulate(mesh, sonar, _params(params), list(poses), times_s, scene_path, settings, progress, _say)
+    elif not isinstance(poses, (Recording, str, os.PathLike)):
+        poses = list(poses)
+    return _sonarcal._simulate(mesh, sonar, _params(params), poses, scene_path, settings, progress, _say)
 
 
 def _scene_of_object(real: Recording, simulated: Recording) -> Optional[Scene]:
@@ -351,7 +348,8 @@ def compare(
     mesh = scene
     if mesh is None and settings.object:
         mesh = _scene_of_object(*pair)
-    compared = _sonarcal._compare(*pair, settings, list(frames or ()), mesh, scene is not None, progress)
+    chosen = [] if frames is None else list(frames)
+    compared = _sonarcal._compare(*pair, settings, chosen, mesh, scene is not None, progress)
     return Comparison(compared.metrics(), compared)
 
 
@@ -441,7 +439,7 @@ def fit(
     scene : Scene or path
         The scene that was recorded: glTF, OBJ, STL or PLY.
     params : Parameters, dict or path
-        Parameters to start from, which name the model.
+        Parameters to start from, which name the model. In a file, a material may have a prior and no curve.
     options : FitOptions or dict, optional
         Options. The keywords below override them.
     progress : callable, optional
@@ -453,7 +451,8 @@ def fit(
         The fitted parameters and the report (fit.json), with plot().
     """
     settings = FitOptions(options, **keywords)
-    return FitResult(*_sonarcal._fit(_recording(recording), _scene(scene)[0], _params(params), settings, progress, _say))
+    start = params if isinstance(params, (str, os.PathLike)) else _params(params)
+    return FitResult(*_sonarcal._fit(_recording(recording), _scene(scene)[0], start, settings, progress, _say))
 
 
 @_takes(CalibrateOptions)

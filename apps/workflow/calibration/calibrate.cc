@@ -23,6 +23,7 @@
 #include "calib/selection/model_choice.h"
 #include "calib/selection/model_variants.h"
 #include "core/types/error.h"
+#include "core/types/parse_number.h"
 #include "data_io/pose_io.h"
 #include "sim/gathered/empty_frames.h"
 
@@ -212,6 +213,7 @@ class Calibrator {
   // Fills in what a plan leaves open.
   void PrepareStart() {
     data_io::PosesOfRecording(recording_);  // throws if a frame has none
+    if (plan_.Has(CalibrationStage::kFrames)) TakeFramesOfPlan();
     ParameterSet& start = plan_.parameters;
     start.model = EchoModel::kAcoustic;
     if (plan_.decided.empty() && recording_.info().source_level_db)
@@ -234,6 +236,19 @@ class Calibrator {
     }
     std::ranges::copy(AssumeMissing(recording_.info().scale, /*find_display=*/true, sonar_, start),
                       std::back_inserter(assumed_));
+  }
+
+  // Throws DataError unless the plan names frames of the recording. Held-out frames are not fitted.
+  void TakeFramesOfPlan() {
+    FitConfig& fit = plan_.fit;
+    if (!fit.used || fit.used->empty())
+      throw DataError("the plan decides the stage 'frames', but its fit.used names no frame, expected one");
+    if (!fit.held_out) {
+      throw DataError(
+          "the plan decides the stage 'frames', but has no fit.held_out, expected a list, which may be "
+          "empty");
+    }
+    fit.used = calib::SplitFrames(fit, recording_.frame_count()).used;
   }
 
   CalibrationDecision ChooseFrames() {
@@ -781,8 +796,10 @@ class Calibrator {
     // Start values of poses that are not among the frames of this fit have no parameter.
     std::erase_if(config.start, [&](const auto& start) {
       if (!start.first.starts_with("pose.")) return false;
-      const int frame = std::stoi(start.first.substr(5));
-      return std::ranges::find(*config.used, frame) == config.used->end();
+      int frame = 0;
+      const std::string_view name = std::string_view(start.first).substr(5);
+      return ParseNumber(name.substr(0, name.find('.')), frame) &&
+             std::ranges::find(*config.used, frame) == config.used->end();
     });
     FitRecordingOptions fit;
     fit.rays = Rays();

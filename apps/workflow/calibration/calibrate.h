@@ -69,8 +69,9 @@ struct CalibrationInput {
 };
 
 // `on_stage` gets the plan after each stage, for a run that goes on where it stopped. Each frame needs a
-// rough pose. Throws DataError if the recording or the scene cannot be used, or if a fit has no usable
-// solution; and calib::FitStopped if the listener stops it.
+// rough pose. Throws DataError if the recording or the scene cannot be used, or if a fit of a stage has no
+// usable solution; and calib::FitStopped if the listener stops it. The last two fits may have no usable
+// solution.
 Calibration Calibrate(const RecordingSource& recording, const Scene& scene,
                       const CalibrateOptions& options = {}, const CalibrationInput& input = {},
                       const Listener& listener = {},

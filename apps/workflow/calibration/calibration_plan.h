@@ -9,7 +9,7 @@
 //    "fit": {...}}            // configuration of the last fit (calib/parameters/fit_config.h)
 //
 // Stages that `decided` does not name are decided anew. Then `parameters` and `fit` need hold only what the
-// named stages decide.
+// named stages decide. The stage "frames" needs `used` and `held_out` of `fit`.
 #pragma once
 
 #include <filesystem>

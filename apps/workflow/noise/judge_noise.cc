@@ -55,11 +55,9 @@ FittedNoiseWindow ReadFittedWindow(const std::filesystem::path& params) {
 JudgedNoise JudgeNoise(const RecordingSource& recording, const ParameterSet& parameters,
                        const std::vector<int>& frames, const JudgeNoiseOptions& options,
                        FittedNoiseWindow fitted, const Listener& listener) {
-  if (options.range_min || options.range_max) {
-    fitted.window.range_min_m = options.range_min;
-    fitted.window.range_max_m = options.range_max;
-    fitted.left_out.clear();
-  }
+  if (options.range_min) fitted.window.range_min_m = options.range_min;
+  if (options.range_max) fitted.window.range_max_m = options.range_max;
+  if (options.range_min || options.range_max) fitted.left_out.clear();  // its bands are those of the fit
   JudgedNoise judged{.law = {.display = parameters.display,
                              .receiver = parameters.receiver,
                              .speckle = options.speckle.value_or(fitted.speckle)},

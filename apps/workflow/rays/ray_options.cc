@@ -1,10 +1,12 @@
 #include "apps/workflow/rays/ray_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "core/types/error.h"
 #include "core/types/option_text.h"
@@ -59,7 +61,7 @@ sim::SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& wat
     options.fan.rows = rays->rows;
   }
   CheckColumns(options.fan, sonar, rays);
-  options.fan.weight = ray_weight;
+  options.fan.weight = weight();
   options.trace.normals = normals;
   options.absorption = absorption;
   options.water = water;
@@ -86,10 +88,10 @@ sim::SimulationOptions RayOptions::For(const SonarModel& sonar, const Water& wat
   return options;
 }
 
-void CheckRayWeight(sim::RayWeight weight, EchoModel model) {
-  if (weight == sim::RayWeight::kEven || model == EchoModel::kPaper) return;
+void CheckRayWeight(std::optional<sim::RayWeight> weight, EchoModel model) {
+  if (!weight || *weight == sim::RayWeight::kEven || model == EchoModel::kPaper) return;
   throw UsageError("--ray-weight {} is for the paper's model: '{}' always uses solid angles",
-                   ToString(weight), ToString(model));
+                   ToString(*weight), ToString(model));
 }
 
 std::string RaysNote(const RayOptions& options, const sim::Simulator& simulator) {
@@ -156,28 +158,34 @@ std::optional<StatedRays> Stated(const RecordingInfo& info) {
 RaysForFit ChooseRays(const RayOptions& asked, const RecordingInfo& info, EchoModel model) {
   RaysForFit choice{.rays = asked, .note = {}, .warning = {}};
   if (model != EchoModel::kPaper) return choice;
+  RayOptions& rays = choice.rays;
   const auto stated = Stated(info);
   if (!stated) {
-    choice.rays.sampling = asked.SamplingFor(model);
+    rays.sampling = asked.SamplingFor(model);
     return choice;
   }
+  std::vector<std::string> taken;
   if (!asked.sampling) {
-    choice.rays.sampling = stated->sampling;
-    choice.rays.ray_weight = stated->weight;
-    if (!asked.rays) choice.rays.rays = stated->grid;
-    choice.note =
-        fmt::format("rays as the recording states its own: {}x{}, {}, weight {}", choice.rays.rays->cols,
-                    choice.rays.rays->rows, ToString(stated->sampling), ToString(stated->weight));
-    return choice;
+    rays.sampling = stated->sampling;
+    if (!asked.rays) {
+      rays.rays = stated->grid;
+      taken.push_back(OptionText<RayGridSize>::Format(stated->grid));
+    }
+    taken.emplace_back(ToString(stated->sampling));
   }
-  if (*asked.sampling != stated->sampling || asked.ray_weight != stated->weight) {
+  if (!asked.ray_weight) {
+    rays.ray_weight = stated->weight;
+    taken.push_back(fmt::format("weight {}", ToString(stated->weight)));
+  }
+  if (!taken.empty())
+    choice.note = fmt::format("rays as the recording states its own: {}", fmt::join(taken, ", "));
+  if (*rays.sampling != stated->sampling || *rays.ray_weight != stated->weight) {
     choice.warning = fmt::format(
         "the recording was simulated with {} rays of weight {}, but the fit casts {} rays of weight {}: "
-        "their "
-        "images differ, and fitted values are biased by more than their standard errors (without --sampling, "
-        "the fit takes the recording's)",
-        ToString(stated->sampling), ToString(stated->weight), ToString(*asked.sampling),
-        ToString(asked.ray_weight));
+        "their images differ, and fitted values are biased by more than their standard errors (without "
+        "--sampling and --ray-weight, the fit takes the recording's)",
+        ToString(stated->sampling), ToString(stated->weight), ToString(*rays.sampling),
+        ToString(*rays.ray_weight));
   }
   return choice;
 }

@@ -1,8 +1,8 @@
 // Options for sampling a scene: rays, normals, absorption, threads.
 //
-// ChooseRays takes the sampling from a recording that the paper's model simulated. The paper gives each ray
-// the same weight, so the two samplings give different images (docs/guide/rays.md), and a fit with the other
-// sampling is biased.
+// ChooseRays takes sampling and weight from a recording that the paper's model simulated. The paper gives
+// each ray the same weight, so the two samplings give different images (docs/guide/rays.md), and a fit with
+// the other sampling is biased.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ inline constexpr RayGridSize kFrustumRays = {1500, 1200};  // as in the paper
 struct RayOptions {
   std::optional<sim::Sampling> sampling;  // absent: SamplingFor
   std::optional<RayGridSize> rays;
-  sim::RayWeight ray_weight = sim::RayWeight::kEven;
+  std::optional<sim::RayWeight> ray_weight;  // absent: weight()
   sim::NormalSource normals = sim::NormalSource::kGeometric;
   sim::AbsorptionFormula absorption = sim::AbsorptionFormula::kAuto;
   int threads = 0;  // 0: all cores
@@ -31,7 +31,7 @@ struct RayOptions {
         OptionInfo{.name = "sampling",
                    .help = "Arrangement of the rays: a pinhole grid as in the paper, or equal angles within "
                            "each beam",
-                   .by_default = "beams; frustum for the coherent model"},
+                   .by_default = "beams; for a fit to a recording by the paper's model, the recording's"},
         self.sampling);
     visit(OptionInfo{.name = "rays",
                      .help = "Columns x rows of rays over the field of view",
@@ -39,7 +39,8 @@ struct RayOptions {
           self.rays);
     visit(OptionInfo{.name = "ray_weight",
                      .help = "Weight of a ray in the paper's model: equal, as in the paper, or by its solid "
-                             "angle, for which both samplings give the same image"},
+                             "angle, for which both samplings give the same image",
+                     .by_default = "even; for a fit to a recording by the paper's model, the recording's"},
           self.ray_weight);
     visit(
         OptionInfo{.name = "normals",
@@ -58,10 +59,13 @@ struct RayOptions {
   RayOptions() = default;
   explicit RayOptions(sim::Sampling default_sampling) : sampling(default_sampling) {}
 
-  // Returns the requested sampling, else the default of the model. Paper: `beams`, which need the fewest rays
-  // (docs/guide/rays.md). Others: `frustum`. The acoustic model then uses a fan of its own. The coherent
-  // model places its scatterers on the rays and needs many of them.
+  // Returns the requested sampling, else the one whose default number of rays serves the model. Paper:
+  // `beams`, which need the fewest rays (docs/guide/rays.md). Others: `frustum`, which For replaces by a fan
+  // of `beams` if it is given the parameters.
   sim::Sampling SamplingFor(EchoModel model) const;
+
+  // Returns the requested weight, else that of the paper.
+  sim::RayWeight weight() const { return ray_weight.value_or(sim::RayWeight::kEven); }
 
   // Returns fan, trace, absorption and water for a simulation of this sonar by a model. For the paper's model
   // `beams` are staggered.
@@ -94,7 +98,7 @@ void VisitReach(Order& ghost_order, Margin& margin_deg, Visitor&& visit) {
 
 // Throws UsageError if a ray weight is chosen for a model other than the paper's. Only that model sums over
 // rays.
-void CheckRayWeight(sim::RayWeight weight, EchoModel model);
+void CheckRayWeight(std::optional<sim::RayWeight> weight, EchoModel model);
 
 // Returns a sentence about the number of rays if it differs from --rays because each beam takes whole
 // columns. Otherwise returns an empty text.

@@ -393,6 +393,15 @@ TEST_F(BatchTest, OtherInputsNeedAnotherFolder) {
   EXPECT_THAT(outcome.err, HasSubstr("sim/0000 was started with other options or other inputs"));
 }
 
+TEST_F(BatchTest, ASlashAfterTheFolderIsTheSameFolder) {
+  WritePlan("48x100", "1");
+  ASSERT_EQ(RunSonarcal(Batch("out/")).status, 0);
+  const Outcome again = RunSonarcal(Batch("out/"));
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(RunSonarcal(Batch("out")).status, 0);
+  EXPECT_EQ(CountOf(world_ / "out", "started"), 4) << "no job is run twice";
+}
+
 TEST_F(BatchTest, DryRunListsAndDoesNothing) {
   WritePlan();
   const Outcome outcome = RunSonarcal(Batch("out", "--dry-run --json"));

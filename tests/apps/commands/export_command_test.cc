@@ -117,6 +117,16 @@ TEST_F(ExportCommandTest, ExportedRecordingsReadBackInEveryFormat) {
   EXPECT_TRUE(std::filesystem::exists(dir_ / "fans" / "provenance.json"));
 }
 
+TEST_F(ExportCommandTest, OnlyAFolderOfPicturesMayEndInASlash) {
+  const std::string recording = " --recording " + Quoted(dir_ / "rec");
+  const Outcome pictures = Export("--to png" + recording + Out("pictures/"));
+  EXPECT_EQ(pictures.status, 0) << pictures.err;
+  EXPECT_EQ(data_io::OpenRecording(dir_ / "pictures")->frame_count(), 3);
+  const Outcome file = Export("--to npz" + recording + Out("file/"));
+  EXPECT_EQ(file.status, 2);
+  EXPECT_THAT(file.err, HasSubstr("expected the name of a file"));
+}
+
 TEST_F(ExportCommandTest, AnMcapFileHoldsTheGivenScene) {
   testing::WriteFile(dir_ / "s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl floor\nf 1 2 3\n");
   const std::string arguments = "--to mcap --recording " + Quoted(dir_ / "rec") + Out("a.mcap");

@@ -9,8 +9,10 @@
 
 #include "apps/report/pictures/depth_picture.h"
 #include "apps/report/pictures/gallery_pictures.h"
+#include "core/types/units.h"
 #include "data_io/images/image_io.h"
 #include "data_io/pictures/picture.h"
+#include "data_io/pose_io.h"
 #include "tests/apps/html_check.h"
 #include "tests/apps/tiny_world.h"
 
@@ -59,6 +61,26 @@ TEST(GalleryCommand, ShowsASceneOfTheUsers) {
   EXPECT_EQ(poseless.status, 2);
   EXPECT_TRUE(testing::IsOneSentence(poseless.err)) << poseless.err;
   EXPECT_FALSE(std::filesystem::exists(world / "h"));
+}
+
+// The direction of such a view may be longer than 1 by a rounding error.
+TEST(GalleryCommand, AViewStraightDownSaysSo) {
+  const TinyWorld world;
+  std::vector<data_io::TimedPose> poses;
+  for (int i = 0; i < 6; ++i) {
+    const Eigen::Quaterniond down = RotationFromYawPitchRoll(RadFromDeg(5.0 * i), RadFromDeg(-90.0), 0.0);
+    poses.push_back({.time_s = {}, .world_from_sonar = {down, {0.0, 0.0, 2.5}}});
+  }
+  data_io::WritePoses(world.poses(), poses);
+  ASSERT_EQ(
+      RunSonarcal(fmt::format("gallery -q --rays 48x32 --scene {} --sonar {} --params {} --poses {} --out {}",
+                              Quoted(world.scene()), Quoted(world.sonar()), Quoted(world.params()),
+                              Quoted(world.poses()), Quoted(world / "g")))
+          .status,
+      0);
+  const std::string page = testing::ReadFile(world / "g/gallery.html");
+  EXPECT_THAT(page, ::testing::Not(HasSubstr("looking nan")));
+  EXPECT_THAT(page, HasSubstr("viewpoint 6: sonar at (0.0, 0.0, 2.5) m, looking 90 degrees down"));
 }
 
 TEST(DepthPicture, MillimetresAreRoundedAndKeptWithinSixteenBits) {

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "apps/workflow/locate.h"
+#include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
@@ -126,6 +128,31 @@ TEST_F(LocateCommandTest, RefinesStartPosesOfAllFrames) {
                                         Quoted(dir_ / "out/poses.json") + " --out " + Quoted(dir_ / "posed"));
   ASSERT_EQ(converted.status, 0) << converted.err;
   EXPECT_THAT(converted.out, HasSubstr("2 frames, 2 with a pose"));
+}
+
+// A folder of DIDSON pings states a window with each ping.
+TEST(LocateTest, RefusesAFrameWithOtherAxesThanTheRecording) {
+  RecordingInfo info;
+  info.sonar = testing::CoarseSonar();
+  info.source = "rec";
+  std::vector<Frame> frames;
+  for (const int bins : {120, 60}) {
+    PolarAxes axes = info.sonar.axes;
+    axes.range_bins = bins;
+    Grid<float> grey(bins, axes.beam_count(), 10.0F);
+    frames.push_back({.info = {}, .image = {axes, info.scale, std::move(grey)}});
+  }
+  const MemoryRecording recording(info, std::move(frames));
+  for (const bool one_pose : {false, true}) {
+    workflow::LocateOptions options;
+    options.one_pose = one_pose;
+    try {
+      workflow::Locate(recording, sim::MakeBody({.max_edge_m = 0.04}), {0, 1}, options);
+      ADD_FAILURE() << "no error";
+    } catch (const DataError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("rec: frame 1 and the recording have range bins 60 and 120"));
+    }
+  }
 }
 
 TEST_F(LocateCommandTest, AFailureIsOneSentence) {

@@ -70,13 +70,16 @@ struct Ended {
 };
 
 // `sonarcal` as a process of its own: the shell of RunSonarcal would stand between it and a signal.
+// `prefix`: a program that replaces itself by sonarcal, such as nohup.
 class Running {
  public:
-  Running(const std::string& arguments, const fs::path& err) : pid_(fork()) {
+  Running(const std::string& arguments, const fs::path& err, const std::string& prefix = "") : pid_(fork()) {
     if (pid_ != 0) return;
     [[maybe_unused]] const int niceness = nice(5);  // the test that waits for it goes first
+    // A test in the background may have inherited an ignored signal.
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, SIG_DFL);
     const std::string command =
-        fmt::format("exec {} {} >/dev/null 2>{}", SONARCAL_BINARY, arguments, Quoted(err));
+        fmt::format("exec {} {} {} >/dev/null 2>{}", prefix, SONARCAL_BINARY, arguments, Quoted(err));
     execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     _exit(127);
   }
@@ -92,6 +95,9 @@ class Running {
     }
     return kill(pid_, signal) == 0;
   }
+
+  // Sends the signal, whatever the process does.
+  void Signal(int signal) const { kill(pid_, signal); }
 
   Ended Wait() const {
     Ended ended;
@@ -190,6 +196,28 @@ TEST_F(SimulateResume, ASlowFrameIsGivenUpAtAnInterruption) {
   EXPECT_FALSE(fs::exists(world_ / "out/.out.unfinished"));
 }
 
+// As GNU timeout sends it: to the process, then to its group. A frame takes longer than the time between.
+TEST_F(SimulateResume, TwoCopiesOfASignalAreOneInterruption) {
+  rays_ = "1600x1200";
+  Running running(Arguments("out", "-q"), world_ / "err");
+  ASSERT_TRUE(running.SignalOnce(world_ / ".out.unfinished/frame_0001.png", SIGTERM));
+  std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  running.Signal(SIGTERM);
+  const int status = running.Wait().wait_status;
+  ASSERT_TRUE(WIFEXITED(status)) << ReadFile(world_ / "err");
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_GE(data_io::OpenRecording(world_ / "out")->frame_count(), 2);
+}
+
+TEST_F(SimulateResume, NohupKeepsARunGoingWhenTheTerminalCloses) {
+  Running running(Arguments("out", "-q"), world_ / "err", "nohup");
+  ASSERT_TRUE(running.SignalOnce(world_ / ".out.unfinished/frame_0003.png", SIGHUP));
+  const int status = running.Wait().wait_status;
+  ASSERT_TRUE(WIFEXITED(status)) << ReadFile(world_ / "err");
+  EXPECT_EQ(WEXITSTATUS(status), 0) << ReadFile(world_ / "err");
+  EXPECT_EQ(data_io::OpenRecording(world_ / "out")->frame_count(), kFrames);
+}
+
 TEST_F(SimulateResume, AKilledRunIsContinued) {
   rays_ = "384x250";  // a depth image takes longer than a frame
   const int status = EndAt(12, SIGKILL, "-q --depth");
@@ -268,14 +296,27 @@ TEST(SimulateResumed, OnlyTheSameCommandGoesOn) {
       {good + " --resume --sampling frustum", "sampling beams (now frustum)"},
       {good + " --resume --bits 12", "bits 8 (now 12)"},
       {good + " --resume --fan", "fan false (now true)"}};
-  for (const auto& [command, difference] : others) {
+  const auto expect_refused = [](const std::string& command, const std::string& difference) {
     const Outcome outcome = RunSonarcal(command);
     EXPECT_EQ(outcome.status, 1) << command;
     EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("cannot be resumed"));
     EXPECT_THAT(outcome.err, HasSubstr(difference));
-  }
+  };
+  for (const auto& [command, difference] : others) expect_refused(command, difference);
   EXPECT_EQ(Contents(world / "out"), made) << "a refusal changes nothing";
+
+  // Options that the paper's model does not take.
+  const std::string coherent = fmt::format(
+      "{} -q --seed 3 --model coherent --sampling frustum --margin 1 --point-target 0:0:1:-20 --out {}",
+      world.SimulateArguments(), Quoted(world / "coherent"));
+  ASSERT_EQ(RunSonarcal(coherent).status, 0);
+  EXPECT_EQ(RunSonarcal(coherent + " --resume").status, 0);
+  expect_refused(Replaced(coherent + " --resume", "--margin 1", "--margin 2"), "margin 1 (now 2)");
+  expect_refused(Replaced(coherent + " --resume", "0:0:1:-20", "0:0:1:-30"),
+                 R"(point_target ["0:0:1:-20"] (now ["0:0:1:-30"]))");
+  expect_refused(Replaced(coherent + " --resume", " --point-target 0:0:1:-20", ""),
+                 R"(point_target ["0:0:1:-20"] (now none))");
 
   fs::remove(world / "out/provenance.json");
   const Outcome unknown = RunSonarcal(good + " --resume");

@@ -208,6 +208,20 @@ TEST_P(ExportSimulatorTest, AccountsForEveryParameterOnce) {
   }
 }
 
+// What a standard target, a prior and a sonar of several pings add to the parameters.
+TEST_P(ExportSimulatorTest, AccountsForPingsAPriorAndAMeasuredSourceLevel) {
+  for (ExportSource source : {Acoustic(), Paper()}) {
+    source.parameters.source_level_sigma_db = 0.5;
+    source.parameters.materials["floor"].prior = "sand";
+    source.sonar.pings = {.of_beam = std::vector<int>(90, 1), .period_s = 0.02, .first_s = -0.01};
+    const ExportedConfig config = GetParam().write(source, "sonar");
+    for (const char* name : {"source_level_sigma_db", "material.floor.prior"})
+      EXPECT_EQ(LineOf(config, name).expression, Expression::kUnused) << name;
+    for (const char* name : {"sonar.pings.of_beam", "sonar.pings.period_s", "sonar.pings.first_s"})
+      EXPECT_EQ(LineOf(config, name).expression, Expression::kNotExpressed) << name;
+  }
+}
+
 // Where the account says that a parameter went, something stands.
 TEST_P(ExportSimulatorTest, EveryTargetOfTheAccountExistsInTheFile) {
   for (const ExportSource& source : {Acoustic(), Paper()}) {
@@ -256,6 +270,14 @@ TEST_P(ExportSimulatorTest, RefusesASonarWithoutElevation) {
   ExportSource source = Paper();
   source.sonar.elevation_beam_width_deg = 0.0;
   EXPECT_THROW(GetParam().write(source, "sonar"), DataError);
+}
+
+// Simulators whose configuration has the level of the noise floor.
+TEST(ExportSimulatorsTest, RefusesATaperOfAnotherNumberOfBeams) {
+  ExportSource source = Acoustic();
+  source.parameters.receiver.noise_taper_db.resize(64);
+  for (const auto write : {ExportToHoloOcean, ExportToStonefish, ExportToOceanSim})
+    EXPECT_THROW(write(source, "sonar"), DataError);
 }
 
 INSTANTIATE_TEST_SUITE_P(

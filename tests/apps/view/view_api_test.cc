@@ -233,6 +233,21 @@ TEST_F(ViewApiTest, WithoutARecordingOrAFolderItSaysSo) {
   EXPECT_THROW(commands::SetUpView(options), UsageError);
 }
 
+TEST_F(ViewApiTest, SavedFilesListWhatTheViewRead) {
+  commands::ViewOptions options = Options();
+  options.sonar = world_.sonar().string();
+  options.poses = world_.poses();
+  ViewSession session(commands::SetUpView(options));
+  ViewApi api(session, options.out);
+  ASSERT_EQ(api.Answer("POST", "/api/save", State().dump()).status, 200);
+  std::vector<std::string> paths;
+  for (const nlohmann::json& input : testing::ReadJsonFile(options.out / "provenance.json")["inputs"])
+    paths.push_back(input["path"]);
+  EXPECT_THAT(paths,
+              ::testing::UnorderedElementsAre(options.scene.string(), options.sonar, options.params.string(),
+                                              options.poses.string(), options.real.string()));
+}
+
 TEST_F(ViewApiTest, TheMeshIsTheScene) {
   const Scene& scene = session_->scene();
   const Framed framed = ReadFramed(api_->Answer("GET", "/api/scene", {}));

@@ -47,12 +47,17 @@ TEST_F(ViewApiTest, MovedControlsMakeTheImageThatTheSavedFilesMake) {
   EXPECT_NE(GreyOf(ReadFramed(Post("/api/render", state))), noisy);
 }
 
-// A sonar that turns by 2 degrees while four pings receive its beams.
-TEST_F(ViewApiTest, BeamsHaveThePosesOfTheirPings) {
-  Json sonar = ReadJsonFile(world_.sonar());
+// Makes four pings receive the beams, one after the other.
+void TimePings(const std::filesystem::path& sonar_file) {
+  Json sonar = ReadJsonFile(sonar_file);
   for (int beam = 0; beam < 24; ++beam) sonar["sonar"]["pings"]["of_beam"].push_back(beam % 4);
   sonar["sonar"]["pings"]["period_s"] = 0.01;
-  testing::WriteFile(world_.sonar(), sonar.dump());
+  testing::WriteFile(sonar_file, sonar.dump());
+}
+
+// A sonar that turns by 2 degrees while four pings receive its beams.
+TEST_F(ViewApiTest, BeamsHaveThePosesOfTheirPings) {
+  TimePings(world_.sonar());
   Json poses = ReadJsonFile(world_.poses());
   for (Json& pose : poses["poses"]) pose["motion"] = {{"turn_rate_deg_per_s", {0, 0, 66}}};
   testing::WriteFile(world_.poses(), poses.dump());
@@ -72,6 +77,24 @@ TEST_F(ViewApiTest, BeamsHaveThePosesOfTheirPings) {
   state["parameters"]["display"] = {{"db_min", 60}, {"db_max", 200}};
   state["parameters"]["receiver"]["noise_db"] = 70;
   EXPECT_EQ(GreyOf(ReadFramed(Post("/api/render", state))), Simulated(state, 0)) << "with the saved motion";
+}
+
+// A file of poses with times and without motion, which follows from the times.
+TEST_F(ViewApiTest, BeamsHaveThePosesOfTheirPingsByTheTimesOfAFile) {
+  commands::ViewOptions options = Options();
+  options.real.clear();
+  options.sonar = world_.sonar().string();
+  options.poses = world_.poses();
+  const auto shown = [&] {
+    session_ = std::make_unique<ViewSession>(commands::SetUpView(options));
+    api_ = std::make_unique<ViewApi>(*session_, options.out);
+    return GreyOf(ReadFramed(Post("/api/render", State())));
+  };
+  const std::vector<float> still = shown();
+  TimePings(world_.sonar());
+  const std::vector<float> moving = shown();
+  EXPECT_NE(moving, still);
+  EXPECT_EQ(moving, Simulated(State(), 0));
 }
 
 TEST_F(ViewApiTest, AcousticImagesAreThoseOfSimulateToTheBit) {

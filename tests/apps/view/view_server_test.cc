@@ -369,6 +369,7 @@ TEST(ViewCommand, PrintsItsAddressAndEndsByCtrlC) {
   const std::string sonar = world.sonar().string();
   const pid_t child = fork();
   if (child == 0) {
+    std::signal(SIGINT, SIG_DFL);  // a test in the background may have inherited it as ignored
     dup2(out[1], STDOUT_FILENO);
     close(out[0]);
     execl(SONARCAL_BINARY, "sonarcal", "view", "--scene", scene.c_str(), "--sonar", sonar.c_str(), "--port",
@@ -393,6 +394,17 @@ TEST(ViewCommand, PrintsItsAddressAndEndsByCtrlC) {
   EXPECT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0);
   close(out[0]);
+}
+
+// `timeout` ends a program that would serve the page.
+TEST(ViewCommand, SettingsOfAnotherSegmentationAreRefused) {
+  const testing::TinyWorld world;
+  const testing::Outcome outcome =
+      testing::RunSonarcal(fmt::format("view --scene {} --sonar {} --port 0 --threshold 0.3",
+                                       testing::Quoted(world.scene()), testing::Quoted(world.sonar())),
+                           "timeout 20");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("--threshold has no effect with --segmentation"));
 }
 
 }  // namespace

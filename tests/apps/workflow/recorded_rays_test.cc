@@ -34,6 +34,24 @@ TEST(RecordedRays, AnotherSamplingThanTheRecordingsIsWarnedOf) {
   EXPECT_TRUE(ChooseRays(RayOptions(sim::Sampling::kFrustum), info, EchoModel::kPaper).warning.empty());
 }
 
+TEST(RecordedRays, AGivenWeightIsKeptAndWarnedOf) {
+  const RecordingInfo info = SimulatedBy("paper", "300x240, frustum", "even");
+  RayOptions asked;
+  asked.ray_weight = sim::RayWeight::kSolidAngle;
+  const RaysForFit choice = ChooseRays(asked, info, EchoModel::kPaper);
+  EXPECT_EQ(choice.rays.ray_weight, sim::RayWeight::kSolidAngle);
+  EXPECT_EQ(choice.note, "rays as the recording states its own: 300x240, frustum");
+  EXPECT_THAT(choice.warning, ::testing::HasSubstr("the fit casts frustum rays of weight solid_angle"));
+}
+
+TEST(RecordedRays, AWeightThatIsNotGivenIsThatOfTheRecording) {
+  const RecordingInfo info = SimulatedBy("paper", "300x240, frustum", "solid_angle");
+  const RaysForFit choice = ChooseRays(RayOptions(sim::Sampling::kFrustum), info, EchoModel::kPaper);
+  EXPECT_EQ(choice.rays.ray_weight, sim::RayWeight::kSolidAngle);
+  EXPECT_TRUE(choice.warning.empty());
+  EXPECT_EQ(RayOptions().weight(), sim::RayWeight::kEven);
+}
+
 TEST(RecordedRays, RaysOfRecordingsOfAnotherModelAreIgnored) {
   EXPECT_EQ(ChooseRays({}, RecordingInfo(), EchoModel::kPaper).rays.sampling, sim::Sampling::kBeams);
   EXPECT_EQ(

@@ -3,7 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
+#include "apps/workflow/compare.h"
 #include "core/types/error.h"
 #include "core/types/pose.h"
 #include "core/types/units.h"
@@ -29,6 +34,54 @@ TEST(SceneGeometryTest, AWallIsMetAtItsAnglesAndMaterials) {
   }
   EXPECT_GE(met, 40);
   EXPECT_LE(met, 200);
+}
+
+// One frame per pose, all of one grey.
+MemoryRecording GreyRecording(const std::vector<std::optional<Pose>>& poses) {
+  RecordingInfo info;
+  info.sonar = FlatSonar();
+  std::vector<Frame> frames;
+  for (const std::optional<Pose>& pose : poses) {
+    Frame frame{.info = {}, .image = {info.sonar.axes, {}, Grid<float>(400, 40, 100.0F)}};
+    frame.info.world_from_sonar = pose;
+    frames.push_back(std::move(frame));
+  }
+  return {std::move(info), std::move(frames)};
+}
+
+TEST(SceneGeometryTest, TheSceneIsSeenFromThePoseOfTheSimulationOtherwiseFromTheRecordedOne) {
+  const Pose recorded{Eigen::Quaterniond::Identity(), {0.0, 1.0, 0.0}};
+  const Pose rendered{Eigen::Quaterniond::Identity(), {0.0, 2.0, 0.0}};
+  const MemoryRecording real = GreyRecording({recorded, recorded, std::nullopt, recorded});
+  const MemoryRecording simulated = GreyRecording({rendered, std::nullopt, std::nullopt});
+  EXPECT_EQ(PoseInScene(real, simulated, 0)->position_m.y(), 2.0);
+  EXPECT_EQ(PoseInScene(real, simulated, 1)->position_m.y(), 1.0);
+  EXPECT_FALSE(PoseInScene(real, simulated, 2));
+  EXPECT_EQ(PoseInScene(real, simulated, 3)->position_m.y(), 1.0) << "the simulation has no such frame";
+}
+
+TEST(SceneGeometryTest, ResidualsOfARecordingWithoutPosesTakeThoseOfTheSimulation) {
+  const SceneGeometry scene(Wall(), FlatSonar());
+  const MemoryRecording real = GreyRecording({std::nullopt});
+  const MemoryRecording simulated = GreyRecording({Pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}}});
+  FrameGatherer gatherer(real, simulated, &scene);
+  metrics::FrameMetrics frame;
+  frame.masks.emplace();
+  frame.masks->polar_real = Mask(400, 40);
+  frame.masks->polar_simulated = Mask(400, 40);
+  gatherer.Add(real.ReadFrame(0).image, simulated.ReadFrame(0).image, frame);
+  metrics::MetricsReport metrics;
+  gatherer.MoveInto(metrics);
+  EXPECT_TRUE(metrics.notes.empty());
+  EXPECT_TRUE(metrics.residuals_by_scene.at(1).classes[0].sums.whole.bias()) << "no pixel of steel";
+}
+
+// Recorded poses decide which frames are of a static scene. Frames without a pose may be.
+TEST(SceneGeometryTest, FramesOfOneRecordedPoseHaveBoxes) {
+  const Pose here{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.0}};
+  const Pose there{Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0}};
+  EXPECT_EQ(FramesWithBoxes(GreyRecording({here, here, there, here}), {3}), (std::set<int>{0, 3}));
+  EXPECT_EQ(FramesWithBoxes(GreyRecording({std::nullopt, here, there}), {2}), (std::set<int>{0, 2}));
 }
 
 TEST(SceneGeometryTest, ResidualsGoToTheirAngleAndMaterial) {

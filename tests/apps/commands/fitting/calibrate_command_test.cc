@@ -241,6 +241,39 @@ TEST_F(CalibrateCommand, ALongRecordingIsFittedByChosenFramesAndItsPlanKeepsThem
             testing::ReadFile(*world_ / "chosen/params.json"));
 }
 
+// The frames show the floor behind the box, and the plan frees the curve of the box alone.
+TEST_F(CalibrateCommand, WithoutASolutionItEndsWithStatusThreeAndWritesNoParameters) {
+  const TinyWorld world;
+  data_io::WriteParameters(world.params(), testing::TinyAcousticParameters());
+  std::vector<data_io::TimedPose> poses;
+  for (int i = 0; i < 3; ++i) {
+    poses.push_back(
+        {static_cast<double>(i),
+         {RotationFromYawPitchRoll(RadFromDeg(5.0 * i), RadFromDeg(-25.0), 0.0), {0.3 * i, 1.5, 1.0}}});
+  }
+  data_io::WritePoses(world.poses(), poses);
+  const Outcome simulated =
+      RunSonarcal(world.SimulateArguments() + " -q --noise --seed 3 --out " + Quoted(world / "real"));
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  nlohmann::json plan = nlohmann::json::parse(R"({"format": "sonar-calibration-plan/1",
+    "decided": [{"stage": "frames"}, {"stage": "water"}, {"stage": "noise"}, {"stage": "placement"},
+                {"stage": "beam"}, {"stage": "mirrors"}],
+    "fit": {"format": "sonar-fit-config/1", "free": ["material.box.gsab.C"],
+            "used": [0, 1], "held_out": [2]}})");
+  plan["parameters"] = ReadJsonFile(world.params());
+  testing::WriteFile(world / "plan.json", plan.dump());
+  const Outcome outcome = RunSonarcal("calibrate -q --rays 96x200 --real " + Quoted(world / "real") +
+                                      " --scene " + Quoted(world.scene()) + " --plan " +
+                                      Quoted(world / "plan.json") + " --out " + Quoted(world / "out"));
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("without a usable solution"));
+  EXPECT_TRUE(std::filesystem::exists(world / "out/fit.json"));
+  EXPECT_TRUE(std::filesystem::exists(world / "out/plan.json"));
+  EXPECT_FALSE(std::filesystem::exists(world / "out/params.json"));
+  EXPECT_FALSE(std::filesystem::exists(world / "out/report.html"));
+}
+
 TEST_F(CalibrateCommand, WhatCannotBeUsedIsRefusedInOneSentence) {
   const auto refuses = [&](const std::string& extra, const std::string& part,
                            const std::string& real = "real") {
@@ -252,6 +285,22 @@ TEST_F(CalibrateCommand, WhatCannotBeUsedIsRefusedInOneSentence) {
   testing::WriteFile(*world_ / "bad.json", R"({"format": "sonar-calibration-plan/1",
     "decided": [{"stage": "weather"}]})");
   refuses("--plan " + Quoted(*world_ / "bad.json"), "is \"weather\", expected one of frames, water");
+  const auto refuses_plan = [&](const std::string& stages, const std::string& fit, const std::string& part) {
+    testing::WriteFile(*world_ / "bad.json",
+                       R"({"format": "sonar-calibration-plan/1", "decided": [{"stage": ")" + stages +
+                           R"("}], "fit": {"format": "sonar-fit-config/1")" + fit + "}}");
+    refuses("--plan " + Quoted(*world_ / "bad.json"), part);
+  };
+  refuses_plan("frames", "", "fit.used names no frame");
+  refuses_plan("frames", R"(, "used": [], "held_out": [1])", "fit.used names no frame");
+  refuses_plan("frames", R"(, "used": [0, 1])", "has no fit.held_out");
+  refuses_plan("frames", R"(, "used": [0, 99], "held_out": [1])", "used frame 99");
+  refuses_plan("frames", R"(, "used": [0, 1], "held_out": [9])", "held-out frame 9");
+  refuses_plan("frames", R"(, "used": [1], "held_out": [1])", "none is left to fit");
+  const std::string all = R"(frames"}, {"stage": "water"}, {"stage": "noise"}, {"stage": "placement"},
+    {"stage": "beam"}, {"stage": "mirrors)";
+  refuses_plan(all, R"(, "used": [0, 1], "held_out": [2], "start": {"pose.first.x_m": 1})",
+               "start value of 'pose.first.x_m', which is no parameter");
   nlohmann::json recording = ReadJsonFile(*world_ / "real/recording.json");
   for (nlohmann::json& frame : recording["frames"]) frame.erase("world_from_sonar");
   std::filesystem::copy(*world_ / "real", *world_ / "blind");

@@ -183,6 +183,24 @@ TEST_F(FitNoiseCommand, JudgeNoiseNamesThePingsAndCellsWhereALawFails) {
   EXPECT_EQ(testing::HtmlFault(testing::ReadFile(world_ / "judged/report.html")), "");
 }
 
+TEST_F(FitNoiseCommand, JudgeNoiseTakesFromTheFitWhatNoOptionGives) {
+  std::filesystem::create_directory(world_ / "law");
+  data_io::WriteParameters(world_ / "law/params.json", NoiseAlone());
+  testing::WriteFile(world_ / "law/fit.json", R"({"speckle": "gamma", "window": {"range_m": [1.5, 3.5]}})");
+  const auto said = [&](const std::string& extra) {
+    return RunSonarcal("judge-noise -q --params " + Quoted(world_ / "law/params.json") + " --real " +
+                       Quoted(real_) + " " + extra)
+        .out;
+  };
+  EXPECT_THAT(said(""), HasSubstr("1.50 to 3.50 m, gamma speckle; window and speckle of "));
+  EXPECT_THAT(said("--range-min 2"),
+              HasSubstr("2.00 to 3.50 m, gamma speckle; farthest range and speckle of "));
+  EXPECT_THAT(said("--range-max 3"),
+              HasSubstr("1.50 to 3.00 m, gamma speckle; nearest range and speckle of "));
+  EXPECT_THAT(said("--range-min 2 --range-max 3 --speckle gamma"),
+              HasSubstr("2.00 to 3.00 m, gamma speckle\n"));
+}
+
 // The law that made the pings: its rates are realised, to within one grey level.
 TEST_F(FitNoiseCommand, JudgeNoiseMeasuresFalseAlarms) {
   const std::string judge = "judge-noise -q --params " + Quoted(world_.params()) + " --real " +

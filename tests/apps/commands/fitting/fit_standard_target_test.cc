@@ -79,6 +79,18 @@ TEST_F(FitStandardTargetCommand, FindsTheLevelOfASimulatedSphere) {
   EXPECT_EQ(testing::HtmlFault(testing::ReadFile(world_ / "out/report.html")), "");
 }
 
+TEST_F(FitStandardTargetCommand, TheSameRunFindsTheSameValuesToTheBit) {
+  Simulate("0.05:3:50:-40");
+  std::string first;
+  for (const char* threads : {"1", "2", "0"}) {
+    const Outcome outcome = Fit(fmt::format("--material wc --diameter-mm 40 --threads {}", threads));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::string found = testing::ReadFile(world_ / "out/params.json");
+    if (first.empty()) first = found;
+    EXPECT_EQ(found, first) << threads;
+  }
+}
+
 TEST_F(FitStandardTargetCommand, TheWindowOfRangeExcludesTheSphere) {
   Simulate("0:3:50:-40");
   const Outcome outcome = Fit("--material wc --diameter-mm 40 --range-max 2.5");

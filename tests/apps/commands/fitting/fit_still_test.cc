@@ -1,8 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
+#include "apps/commands/fitting/fit_command.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
@@ -66,6 +73,31 @@ TEST_F(FitStillCommand, SeparatesNoiseFromFrozenSpeckle) {
   EXPECT_EQ(data_io::ReadParameters(world_ / "out/params.json").receiver.noise_db.value(),
             still["noise_db"].get<double>());
   EXPECT_EQ(testing::HtmlFault(testing::ReadFile(world_ / "out/report.html")), "");
+}
+
+TEST_F(FitStillCommand, TakesNoMoreThreadsThanAllowed) {
+  Simulate("--frozen-speckle");
+  FitCommandOptions options;
+  options.common = {.json = false, .quiet = true};
+  options.real = real_;
+  options.out = world_ / "out";
+  options.still = true;
+  options.fit.rays.threads = 1;
+  std::atomic<bool> has_ended = false;
+  std::size_t allowed = std::numeric_limits<std::size_t>::max();
+  std::thread observer([&] {
+    while (!has_ended) {
+      using tbb::global_control;
+      allowed = std::min(allowed, global_control::active_value(global_control::max_allowed_parallelism));
+    }
+  });
+  ::testing::internal::CaptureStdout();
+  const cli::ExitStatus status = RunFit(options);
+  ::testing::internal::GetCapturedStdout();
+  has_ended = true;
+  observer.join();
+  EXPECT_EQ(status, cli::ExitStatus::kDone);
+  EXPECT_EQ(allowed, 1U);
 }
 
 TEST_F(FitStillCommand, RefusesFreshSpeckleInOneSentence) {
