@@ -17,8 +17,11 @@ case "${1:-}" in
 esac
 
 "$root/scripts/setup.sh" --no-build
-quietly "Configuring" cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-  -DSONARCAL_BUILD_BENCHMARKS=ON || fail "cmake failed: is libbenchmark-dev installed?"
+options=(-DCMAKE_BUILD_TYPE=Release -DSONARCAL_BUILD_BENCHMARKS=ON)
+# A new build is without tests, because the packages that they need may be missing.
+if [[ ! -f "$build/CMakeCache.txt" ]]; then options+=(-DSONARCAL_BUILD_TESTS=OFF); fi
+quietly "Configuring" cmake -S "$root" -B "$build" -G Ninja "${options[@]}" ||
+  fail "cmake failed: is libbenchmark-dev installed?"
 quietly "Building" cmake --build "$build" --target sonarcal_benchmarks sonarcal_frame_hits || fail "the build failed"
 if ! "$build/tests/benchmarks/sonarcal_benchmarks" --benchmark_list_tests=true --benchmark_filter="${1:-.}" |
   grep -q "^Failed to match"; then

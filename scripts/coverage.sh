@@ -17,8 +17,9 @@ esac
 sets="${1:-200}"
 
 "$root/scripts/setup.sh" --tests --no-build
-[[ -f "$build/CMakeCache.txt" ]] ||
-  quietly "Configuring" cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release || fail "cmake failed"
+# Always, because scripts/setup.sh configures without the tests.
+quietly "Configuring" cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSONARCAL_BUILD_TESTS=ON ||
+  fail "cmake failed, its last lines are above"
 quietly "Building" cmake --build "$build" --target coverage_study || fail "the build failed"
 for speckle in independent grained; do
   printf '### %s pixels\n\n' "$speckle"

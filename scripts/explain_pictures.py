@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A picture of docs/guide/explain.md, from what `sonarcal explain --known ... --out EXPLAINED` wrote.
+"""A picture of docs/studies/explain.md, from what `sonarcal explain --known ... --out EXPLAINED` wrote.
 
 usage: scripts/explain_pictures.py EXPLAINED NUMBER,NUMBER FRAME OUT.png
   NUMBER  of the waterfalls in EXPLAINED/figures

@@ -58,8 +58,8 @@ fi
 mkdir -p "$recordings"
 work="$(mktemp -d "$recordings/.fetching-XXXXXX")" || fail "cannot write into $recordings"
 trap 'rm -rf "$work"' EXIT
-# SONARCAL_MIRROR: a copy of the repository to fetch from instead; the commit says whether it is the same.
-from="${SONARCAL_MIRROR:-$source_url}"
+# SONARCAL_REPOSITORY: a copy of the repository to fetch from instead; the commit says whether it is the same.
+from="${SONARCAL_REPOSITORY:-$source_url}"
 git -C "$work" init --quiet repository
 repository="$work/repository"
 quietly "Fetching from $from" git -C "$repository" fetch --depth 1 "$from" "$commit" ||

@@ -22,7 +22,8 @@ folder="${1:-${SONARCAL_RECORDINGS:-$root/recordings}/aris3000_watertank}"
 [[ -d "$folder/Masks" ]] || fail "$folder has no folder Masks, expected pictures that people outlined"
 
 "$root/scripts/setup.sh" --tests --no-build
-[[ -f "$build/CMakeCache.txt" ]] ||
-  quietly "Configuring" cmake -S "$root" -B "$build" -DCMAKE_BUILD_TYPE=Release || fail "cmake failed"
+# Always, because scripts/setup.sh configures without the tests.
+quietly "Configuring" cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSONARCAL_BUILD_TESTS=ON ||
+  fail "cmake failed, its last lines are above"
 quietly "Building" cmake --build "$build" --target segmentation_study || fail "the build failed"
 "$build/tests/metrics/segmentation_study" "$folder" "methods=${2:-}" chosen
