@@ -122,7 +122,8 @@ std::string SummaryText(const reproduce::Reproduction& reproduction, const std::
   for (const reproduce::TargetResult& result : reproduction.targets) {
     if (!result.comparison) continue;
     const reproduce::TargetComparison& target = *result.comparison;
-    add(target.plan.title, reproduce::TargetRows(target), {{"paper model", &target.paper}});
+    add(target.plan.title, reproduce::TargetRows(target),
+        {{"paper model", &target.paper}, {"acoustic model", &target.fitted.acoustic}});
     for (const std::string& sentence : reproduce::KnownSentences(target.plan))
       text += fmt::format("  known beforehand: {}\n", sentence);
   }

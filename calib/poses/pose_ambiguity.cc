@@ -123,9 +123,10 @@ std::vector<OtherPose> OtherPosesOf(const AcousticFrameModel& model, const std::
     follow(problem.MovedEntries(values, sigmas * ridge), "another pose along the least determined direction");
   const Pose pose = model.PoseOf(frame, values);
   if (const auto heights = HeightsSeen(model, values, pose)) {
-    const auto mirrored =
-        WithPose(ReflectedPose(pose, heights->first, heights->second), catalog, entries, values);
-    if (mirrored) follow(*mirrored, "its mirror image");
+    // The entries hold the pose without the mount and the tilt.
+    const Pose mirrored =
+        ReflectedPose(pose, heights->first, heights->second) * model.MountOf(values).Inverse();
+    if (const auto start = WithPose(mirrored, catalog, entries, values)) follow(*start, "its mirror image");
   }
   return others;
 }

@@ -39,7 +39,8 @@ std::set<std::string> InputsOf(const std::string& arguments, const fs::path& out
   const Outcome outcome = RunSonarcal(fmt::format("{} -q --out {}", arguments, Quoted(out)));
   EXPECT_EQ(outcome.status, 0) << arguments << '\n' << outcome.err;
   std::set<std::string> paths;
-  for (const nlohmann::json& input : ReadJsonFile(out / "provenance.json").at("inputs"))
+  const nlohmann::json provenance = ReadJsonFile(out / "provenance.json");
+  for (const nlohmann::json& input : provenance.at("inputs"))
     paths.insert(input.at("path").get<std::string>());
   return paths;
 }

@@ -241,8 +241,8 @@ TEST_F(ViewApiTest, SavedFilesListWhatTheViewRead) {
   ViewApi api(session, options.out);
   ASSERT_EQ(api.Answer("POST", "/api/save", State().dump()).status, 200);
   std::vector<std::string> paths;
-  for (const nlohmann::json& input : testing::ReadJsonFile(options.out / "provenance.json")["inputs"])
-    paths.push_back(input["path"]);
+  const nlohmann::json provenance = testing::ReadJsonFile(options.out / "provenance.json");
+  for (const nlohmann::json& input : provenance.at("inputs")) paths.push_back(input.at("path"));
   EXPECT_THAT(paths,
               ::testing::UnorderedElementsAre(options.scene.string(), options.sonar, options.params.string(),
                                               options.poses.string(), options.real.string()));

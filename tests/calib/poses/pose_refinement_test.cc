@@ -398,6 +398,31 @@ TEST_F(SmallTankFrames, AMirrorImageIsNamedForAHeadingBeyondHalfATurn) {
   for (const OtherPose& other : others) EXPECT_LE(other.worse_by, 4.0) << other.sentence;
 }
 
+// The pose of a frame is that of the mount, which the tilt follows.
+TEST_F(SmallTankFrames, AMirrorImageIsThatOfTheTiltedSonar) {
+  const sim::Simulator simulator(BoxInOpenWater(), SmallSonar(), Options());
+  const Pose pose = BesideTheMiddle();
+  const std::vector<AcousticFrame> frames = {Recorded(simulator, pose, pose, 2)};
+  const AcousticFrameModel model(simulator, frames, truth_);
+  FitConfig config{.free = std::vector<std::string>{"pose"}};
+  std::vector<CatalogEntry> catalog = model.catalog();
+  ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
+  ParameterValues values = model.initial_values();
+  const auto tilt = std::ranges::find(catalog, "geometry.tilt_deg", &CatalogEntry::name) - catalog.begin();
+  values[tilt] = 25.0;
+  const PoseStep mount = NamedValues(pose * model.MountOf(values).Inverse());
+  for (const int entry : PoseEntries(catalog)) {
+    values[entry] = mount(catalog[entry].index);
+    if (catalog[entry].prior)
+      catalog[entry].prior->coordinate = catalog[entry].CoordinateFromValue(values[entry]);
+  }
+  EXPECT_LT(StepBetween(model.PoseOf(0, values), pose).norm(), 1e-9);
+  const std::vector<OtherPose> others = OtherPoses(model, catalog, PoseEntries(catalog), values);
+  EXPECT_TRUE(std::ranges::any_of(others, [](const OtherPose& other) {
+    return other.sentence.find("its mirror image") != std::string::npos;
+  }));
+}
+
 // A SYNTHETIC recording made by another kind of simulation: two frames, curves and noise unknown as well.
 //
 // Roll has a bound of today. Measured: frame 1 keeps -0.24 +- 0.047 deg, five standard errors. At the true

@@ -193,12 +193,13 @@ TEST_F(FitNoiseCommand, JudgeNoiseTakesFromTheFitWhatNoOptionGives) {
         .out;
   };
   EXPECT_THAT(said(""), HasSubstr("1.50 to 3.50 m, gamma speckle; window and speckle of "));
-  EXPECT_THAT(said("--range-min 2"),
-              HasSubstr("2.00 to 3.50 m, gamma speckle; farthest range and speckle of "));
-  EXPECT_THAT(said("--range-max 3"),
-              HasSubstr("1.50 to 3.00 m, gamma speckle; nearest range and speckle of "));
-  EXPECT_THAT(said("--range-min 2 --range-max 3 --speckle gamma"),
-              HasSubstr("2.00 to 3.00 m, gamma speckle\n"));
+  // Ends of bins, which are 1 / 15 m long.
+  EXPECT_THAT(said("--range-min 1.9"),
+              HasSubstr("1.90 to 3.50 m, gamma speckle; farthest range and speckle of "));
+  EXPECT_THAT(said("--range-max 2.9"),
+              HasSubstr("1.50 to 2.90 m, gamma speckle; nearest range and speckle of "));
+  EXPECT_THAT(said("--range-min 1.9 --range-max 2.9 --speckle gamma"),
+              HasSubstr("1.90 to 2.90 m, gamma speckle\n"));
 }
 
 // The law that made the pings: its rates are realised, to within one grey level.
