@@ -7,6 +7,7 @@
 #include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "calib/acoustic_fit.h"
+#include "core/imaging/change_scale.h"
 #include "core/types/error.h"
 
 namespace sonarcal::python {
@@ -94,10 +95,7 @@ PolarImage ResidualView::Expected(int position, const calib::ParameterValues& va
                                                              simulator_->TraceGhosts(pose, parameters));
                          });
   }
-  const ImageScale& scale = recording_->info().scale;
-  const double factor = scale.full_scale / image.scale.full_scale;
-  for (float& value : image.value.values()) value = static_cast<float>(value * factor);
-  image.scale = scale;
+  ChangeScale(recording_->info().scale, image);
   return image;
 }
 

@@ -7,6 +7,7 @@
 
 #include "apps/workflow/locate.h"
 #include "calib/models/held_out_frames.h"
+#include "core/imaging/change_scale.h"
 #include "core/math/statistics.h"
 #include "core/types/units.h"
 #include "data_io/recordings/recording_io.h"
@@ -146,11 +147,8 @@ class Comparison {
 
   // A simulated image in whole grey levels of the held-out frame.
   PolarImage OnRecordedScale(PolarImage image) const {
-    const ImageScale& scale = frames_[1].image.scale;
-    const double factor = scale.full_scale / image.scale.full_scale;
-    for (float& value : image.value.values()) value = static_cast<float>(value * factor);
+    ChangeScale(frames_[1].image.scale, image);
     sim::QuantiseImage(image);
-    image.scale = scale;
     return image;
   }
 

@@ -12,6 +12,7 @@
 #include "apps/workflow/simulate.h"
 #include "calib/acoustic_fit.h"
 #include "calib/models/held_out_frames.h"
+#include "core/imaging/change_scale.h"
 #include "core/math/local_sums.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -132,9 +133,7 @@ class RecordingExplainer {
                                          kFirstSample + held_out_[f].index,
                                          simulator_->TraceGhosts(pose, step.parameters))
               : simulator_->RenderPings(pose, pings, step.parameters, kFirstSample + held_out_[f].index));
-      const double factor = held_out_[f].image.scale.full_scale / images.back().scale.full_scale;
-      for (float& value : images.back().value.values()) value = static_cast<float>(value * factor);
-      images.back().scale = held_out_[f].image.scale;
+      ChangeScale(held_out_[f].image.scale, images.back());
     }
     return images;
   }

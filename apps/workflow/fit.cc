@@ -21,6 +21,7 @@
 #include "calib/mirror_start.h"
 #include "calib/models/held_out_frames.h"
 #include "calib/selection/ping_worth.h"
+#include "core/imaging/change_scale.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/parameters/parameters_io.h"
@@ -59,10 +60,8 @@ class ExpectedRecording final : public RecordingSource {
 
   Frame ReadFrame(int index) const override {
     Frame frame{frame_info(index), render_(index)};
-    const double factor = info_.scale.full_scale / frame.image.scale.full_scale;
-    for (float& value : frame.image.value.values()) value = static_cast<float>(value * factor);
+    ChangeScale(info_.scale, frame.image);
     sim::QuantiseImage(frame.image);
-    frame.image.scale = info_.scale;
     frame.image.axes = info_.sonar.axes;  // as declared: a fitted geometry says where echoes are recorded
     return frame;
   }

@@ -12,11 +12,13 @@
 #include "apps/workflow/rays/ray_options.h"
 #include "apps/workflow/simulate.h"
 #include "calib/noise/background_display.h"
+#include "core/imaging/change_scale.h"
 #include "core/math/statistics.h"
 #include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "metrics/segmentation/segmentation.h"
+#include "sim/paper/paper_image.h"
 #include "sim/physics/absorption.h"
 #include "sim/physics/receiver.h"
 #include "sim/scenes/scene_primitives.h"
@@ -242,13 +244,10 @@ class Locator {
     metrics::CompareOptions compare;
     compare.keep_masks = true;
     compare.valid = recording_.info().valid;
-    const auto rescale = [&](PolarImage& image) {
-      const double factor = recorded.scale.full_scale / image.scale.full_scale;
-      for (float& value : image.value.values()) value = static_cast<float>(std::round(value * factor));
-      image.scale = recorded.scale;
-    };
-    rescale(images.expected);
-    rescale(images.sample);
+    for (PolarImage* image : {&images.expected, &images.sample}) {
+      ChangeScale(recorded.scale, *image);
+      sim::QuantiseImage(*image);
+    }
     images.of_expected = metrics::CompareFrames(recorded, images.expected, compare);
     images.of_sample = metrics::CompareFrames(recorded, images.sample, compare);
     return images;
