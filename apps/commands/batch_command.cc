@@ -19,6 +19,7 @@
 #include "apps/commands/commands.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
+#include "data_io/files/folder_path.h"
 #include "data_io/json/json_writer.h"
 
 namespace sonarcal::commands {
@@ -113,7 +114,7 @@ void CheckOptions(const BatchOptions& options) {
 
 cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
   CheckOptions(options);
-  const fs::path out = (fs::absolute(options.out) / "").lexically_normal().parent_path();
+  const fs::path out = data_io::PlainFolder(options.out);
   batch::BatchPlan plan = batch::ReadBatchPlan(options.plan, out, root);
   if (!options.dry_run) fs::create_directories(out);
   batch::BatchRunner runner(std::move(plan), out,

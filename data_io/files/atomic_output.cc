@@ -8,6 +8,7 @@
 #include "core/types/error.h"
 #include "data_io/files/file_bytes.h"
 #include "data_io/files/folder_moves.h"
+#include "data_io/files/folder_path.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -41,8 +42,7 @@ void WriteFileWhole(const fs::path& file, std::string_view bytes) {
   }
 }
 
-OutputDirectory::OutputDirectory(const fs::path& directory, Aside aside)
-    : final_((fs::absolute(directory) / "").lexically_normal().parent_path()) {
+OutputDirectory::OutputDirectory(const fs::path& directory, Aside aside) : final_(PlainFolder(directory)) {
   std::error_code error;
   const fs::file_status status = fs::status(final_, error);
   if (fs::exists(status) && !fs::is_directory(status)) {

@@ -9,6 +9,7 @@
 #include "core/types/printable.h"
 #include "core/types/rotation.h"
 #include "data_io/files/csv_table.h"
+#include "data_io/files/folder_path.h"
 #include "data_io/images/pgm_codec.h"
 #include "data_io/sonars/aris_model.h"
 #include "data_io/sonars/frame_tree.h"
@@ -194,9 +195,7 @@ class DfkiUxoRecording final : public RecordingSource {
 
   // The target has the name of the folder of its recordings.
   void DescribeTarget(const FrameTree& tree) {
-    // "." and a slash at the end leave an empty last part, so one is added to every path.
-    const fs::path whole = (fs::absolute(folder_) / "").lexically_normal().parent_path();
-    const std::string target = whole.parent_path().filename().string();
+    const std::string target = PlainFolder(folder_).parent_path().filename().string();
     const std::optional<Pose> pose = tree.Find("world", "target/" + target);
     if (!pose) return;
     const Eigen::Quaterniond& q = pose->rotation;

@@ -12,6 +12,7 @@
 #include "core/types/printable.h"
 #include "core/types/units.h"
 #include "data_io/files/file_bytes.h"
+#include "data_io/files/folder_path.h"
 #include "data_io/files/natural_order.h"
 #include "data_io/files/pickle.h"
 #include "data_io/json/json_reader.h"
@@ -43,7 +44,7 @@ bool IsFile(const fs::path& path) {
 // Config.json beside the pickles, or beside their folder Data.
 fs::path ConfigOf(const fs::path& folder) {
   if (IsFile(folder / kConfig)) return folder / kConfig;
-  const fs::path whole = fs::absolute(folder / ".").lexically_normal().parent_path();
+  const fs::path whole = PlainFolder(folder);
   if (whole.filename() == kDataFolder && IsFile(whole.parent_path() / kConfig))
     return whole.parent_path() / kConfig;
   return {};
