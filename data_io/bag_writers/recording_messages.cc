@@ -128,7 +128,7 @@ SampleType SampleTypeOf(const ImageScale& scale) {
         ToString(scale.quantity));
   }
   const int bits = MinBits(scale);
-  if (bits == 32 || scale.full_scale <= 1.0) {
+  if (bits == 32) {
     throw DataError(
         "the full scale of the recording's grey values is {:g}, expected a whole number from 2 to 65535: a "
         "ProjectedSonarImage holds grey values as whole numbers, and its floats are power",

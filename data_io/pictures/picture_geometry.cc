@@ -6,7 +6,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/json/json_reader.h"
-#include "data_io/json/sonar_limits.h"
+#include "data_io/json/recording_limits.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -104,7 +104,7 @@ PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
   json.Update("sound_speed_m_per_s", geometry.sound_speed_m_per_s, kSonarSoundSpeedMPerS);
   json.Update("azimuth_beam_width_deg", geometry.azimuth_beam_width_deg, kSonarBeamWidthDeg);
   json.Update("elevation_beam_width_deg", geometry.elevation_beam_width_deg, kSonarBeamWidthDeg);
-  geometry.db_span = json.FindNumber("db_span", NumberRange::AboveUpTo(0.0, 1000.0));
+  geometry.db_span = json.FindNumber("db_span", kRecordedSpanDb);
   const auto polar = json.Find("polar");
   const auto fan = json.Find("fan");
   if (polar && fan) json.Fail("has both 'polar' and 'fan', expected one");

@@ -11,8 +11,9 @@
 namespace sonarcal::data_io {
 
 int MinBits(const ImageScale& scale) {
-  const bool is_whole = scale.quantity == Quantity::kGrey && scale.full_scale == std::floor(scale.full_scale);
-  return !is_whole || scale.full_scale > 65535.0 ? 32 : scale.full_scale > 255.0 ? 16 : 8;
+  const bool has_levels = scale.quantity == Quantity::kGrey && scale.full_scale > 1.0 &&
+                          scale.full_scale <= 65535.0 && scale.full_scale == std::floor(scale.full_scale);
+  return !has_levels ? 32 : scale.full_scale > 255.0 ? 16 : 8;
 }
 
 void CheckValues(const PolarImage& image, const std::string& what) {

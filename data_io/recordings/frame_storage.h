@@ -8,8 +8,8 @@
 
 namespace sonarcal::data_io {
 
-// Returns the bits that hold the whole grey values 0 .. full_scale, 8 or 16. Returns 32 (float) for other
-// quantities, and for a full scale that is not whole or exceeds 65535.
+// Returns the bits that hold the whole grey levels 0 .. full_scale, 8 or 16. Returns 32 (float) where there
+// are no such levels: for other quantities, and for a full scale that is not whole, at most 1 or above 65535.
 int MinBits(const ImageScale& scale);
 
 // Throws DataError, naming `what`, if a value is not finite or, if grey, outside 0 .. full_scale.

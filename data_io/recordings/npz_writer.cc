@@ -94,11 +94,6 @@ class Zip {
   std::unique_ptr<archive, decltype(&archive_write_free)> archive_;
 };
 
-// Grey values up to 1 are fractions, which have no whole levels.
-int BitsOf(const ImageScale& scale) {
-  return scale.full_scale > 1.0 ? MinBits(scale) : 32;
-}
-
 template <typename T>
 void WriteRounded(Zip& zip, const Grid<float>& values) {
   std::vector<T> rounded;
@@ -160,7 +155,7 @@ void AddSmallArrays(Zip& zip, const RecordingSource& recording) {
   zip.Begin("valid", "|b1", {bins, beams}, 1);
   zip.Write(valid.data(), valid.size());
   const std::string text =
-      JsonText(RecordingJson({.info = info, .bits = BitsOf(info.scale), .frames = {}}, "/"));
+      JsonText(RecordingJson({.info = info, .bits = MinBits(info.scale), .frames = {}}, "/"));
   zip.Begin("recording", fmt::format("|S{}", text.size()), {}, text.size());
   zip.Write(text.data(), text.size());
 }
@@ -170,7 +165,7 @@ void AddSmallArrays(Zip& zip, const RecordingSource& recording) {
 void WriteNpz(const RecordingSource& recording, const std::filesystem::path& file,
               const std::function<void(int frames_done)>& progress) {
   const RecordingInfo& info = recording.info();
-  const int bits = BitsOf(info.scale);
+  const int bits = MinBits(info.scale);
   const char* const type = bits == 8 ? "|u1" : bits == 16 ? "<u2" : "<f4";
   Zip zip(file);
   AddSmallArrays(zip, recording);

@@ -14,9 +14,8 @@
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
 #include "data_io/json/json_writer.h"
-#include "data_io/json/sonar_limits.h"
+#include "data_io/json/recording_limits.h"
 #include "data_io/recordings/recording_io.h"
-#include "data_io/recordings/recording_limits.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -31,8 +30,6 @@ constexpr Words<Quantity, 4> kQuantities = {{{"grey", Quantity::kGrey},
                                              {"decibel", Quantity::kDecibel},
                                              {"power", Quantity::kPower},
                                              {"depth", Quantity::kDepth}}};
-
-const NumberRange kLevelDb = NumberRange::Between(-kMaxRecordedLevelDb, kMaxRecordedLevelDb);
 
 // Adds a note once, however often a recording is converted.
 void AddNote(RecordingInfo& info, std::string note) {
@@ -105,9 +102,8 @@ void ReadSonar(const JsonReader& json, RecordingInfo& info) {
 
 SonarSettings ReadSettings(const JsonReader& json) {
   SonarSettings settings;
-  settings.gain_db = json.FindNumber("gain_db", kLevelDb);
-  settings.pulse_length_us =
-      json.FindNumber("pulse_length_us", NumberRange::AboveUpTo(0.0, kMaxRecordedPulseUs));
+  settings.gain_db = json.FindNumber("gain_db", kRecordedLevelDb);
+  settings.pulse_length_us = json.FindNumber("pulse_length_us", kRecordedPulseUs);
   if (const auto applied = json.Find("time_varied_gain")) settings.time_varied_gain = applied->Bool();
   if (const auto compression = json.Find("compression"))
     settings.compression = compression->Word<Compression>();
@@ -156,9 +152,9 @@ void ReadImage(const JsonReader& json, RecordingHeader& header) {
   scale.full_scale = is_float ? 1.0 : LargestInteger(header.bits);
   json.Update("full_scale", scale.full_scale,
               NumberRange::AboveUpTo(0.0, is_float ? kMaxRecordedFullScale : scale.full_scale));
-  scale.db_min = json.FindNumber("db_min", kLevelDb);
-  scale.db_max = json.FindNumber("db_max", kLevelDb);
-  scale.db_span = json.FindNumber("db_span", NumberRange::AboveUpTo(0.0, kMaxRecordedDbSpan));
+  scale.db_min = json.FindNumber("db_min", kRecordedLevelDb);
+  scale.db_max = json.FindNumber("db_max", kRecordedLevelDb);
+  scale.db_span = json.FindNumber("db_span", kRecordedSpanDb);
   if (scale.db_min && scale.db_max) {
     const double span_db = *scale.db_max - *scale.db_min;
     if (!(span_db > 0.0)) {
@@ -288,7 +284,7 @@ RecordingHeader ReadRecordingHeader(const fs::path& folder) {
   ReadSonar(json.At("sonar"), info);
   ReadImage(json.At("image"), header);
   if (const auto water = json.Find("water")) info.water = ReadWater(*water);
-  info.source_level_db = json.FindNumber("source_level_db", kLevelDb);
+  info.source_level_db = json.FindNumber("source_level_db", kRecordedLevelDb);
   if (const auto scene = json.Find("scene")) ReadScene(*scene, folder, info);
   ReadOrigin(json, folder, info);
   const JsonReader frames = json.At("frames");

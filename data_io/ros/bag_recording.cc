@@ -8,6 +8,7 @@
 #include "core/types/error.h"
 #include "core/types/printable.h"
 #include "data_io/json/json_reader.h"
+#include "data_io/recordings/first_readable.h"
 #include "data_io/ros/mcap_bag.h"
 #include "data_io/ros/ros_messages.h"
 #include "data_io/ros/sonar_info.h"
@@ -221,29 +222,15 @@ class BagRecording final : public RecordingSource {
     }
   }
 
-  // Describes the sonar from the first message that can be read, so that one damaged message does not hide
-  // the others. Throws DataError if none of the first messages can be read.
+  // Throws DataError if none of the first messages can be read.
   FirstMessage DescribeFirst() {
-    constexpr int kMaxTries = 100;
-    std::string of_first;
-    for (int index = 0; index < std::min(frame_count(), kMaxTries); ++index) {
-      RecordingInfo info = info_;
-      try {
-        std::vector<std::byte> bytes = bag_->Read(messages_[index]);
-        DescribeSonarMessage(topic_.type, bytes, topic_.encoding, Where(index), options_, info);
-        info_ = std::move(info);
-        if (index > 0) {
-          info_.notes.push_back(fmt::format(
-              "The sonar is described from message {}, the first that can be read: {}.", index, of_first));
-        }
-        return {index, std::move(bytes)};
-      } catch (const DataError& error) {
-        if (index == 0) of_first = error.what();
-      }
-    }
-    const int tried = std::min(frame_count(), kMaxTries);
-    throw DataError("{}{}", of_first,
-                    tried == 1 ? "" : fmt::format("; none of the first {} messages can be read", tried));
+    FirstMessage first;
+    first.index =
+        DescribeFromFirstReadable(frame_count(), "message", info_, [&](int index, RecordingInfo& info) {
+          first.bytes = bag_->Read(messages_[index]);
+          DescribeSonarMessage(topic_.type, first.bytes, topic_.encoding, Where(index), options_, info);
+        });
+    return first;
   }
 
   // A simulated recording is marked as synthetic in every format.

@@ -8,8 +8,7 @@
 
 #include "core/types/error.h"
 #include "core/types/units.h"
-#include "data_io/json/sonar_limits.h"
-#include "data_io/recordings/recording_limits.h"
+#include "data_io/json/recording_limits.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -223,9 +222,8 @@ void Describe(const ProjectedSonarImage& message, const std::string& where,
   } else if (message.frequency_hz != 0.0F) {
     info.notes.push_back(fmt::format("Frequency {} Hz is invalid and was omitted.", message.frequency_hz));
   }
-  sonar.sound_speed_m_per_s = message.sound_speed_m_per_s > 1000.0F && message.sound_speed_m_per_s < 2000.0F
-                                  ? message.sound_speed_m_per_s
-                                  : 0.0;
+  sonar.sound_speed_m_per_s =
+      kSonarSoundSpeedMPerS.Contains(message.sound_speed_m_per_s) ? message.sound_speed_m_per_s : 0.0;
   sonar.azimuth_beam_width_deg = MeanDeg(message.rx_beam_width_rad);
   sonar.elevation_beam_width_deg = MeanDeg(message.tx_beam_width_rad);
   info.scale = ScaleOf(message, where);

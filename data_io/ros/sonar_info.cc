@@ -5,7 +5,7 @@
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
-#include "data_io/recordings/recording_limits.h"
+#include "data_io/json/recording_limits.h"
 #include "data_io/ros/projected_sonar_image.h"
 #include "data_io/ros/ros_messages.h"
 
@@ -106,8 +106,7 @@ struct GreyLevels {
 
   // True if recording.json can hold them.
   bool are_plausible() const {
-    return max_db > min_db && std::abs(min_db) <= kMaxRecordedLevelDb &&
-           std::abs(max_db) <= kMaxRecordedLevelDb;
+    return max_db > min_db && kRecordedLevelDb.Contains(min_db) && kRecordedLevelDb.Contains(max_db);
   }
 };
 
@@ -119,7 +118,7 @@ std::optional<GreyLevels> GreyLevelsOf(const SonarInfo& sonar, const ImageScale&
 }
 
 bool IsPlausiblePulse(float pulse_s) {
-  return pulse_s > 0.0F && 1e6 * static_cast<double>(pulse_s) <= kMaxRecordedPulseUs;
+  return kRecordedPulseUs.Contains(1e6 * static_cast<double>(pulse_s));
 }
 
 bool HoldsAmplitude(const SonarInfo& sonar, const ImageScale& scale) {
@@ -138,7 +137,7 @@ void NoteImplausible(const SonarInfo& sonar, RecordingInfo& info) {
   };
   if (const auto levels = GreyLevelsOf(sonar, info.scale); levels && !levels->are_plausible())
     note(fmt::format("The dB scale {:g} .. {:g} dB", levels->min_db, levels->max_db));
-  if (std::abs(sonar.source_level_db) > kMaxRecordedLevelDb)
+  if (!std::isnan(sonar.source_level_db) && !kRecordedLevelDb.Contains(sonar.source_level_db))
     note(fmt::format("The source level {:g} dB", sonar.source_level_db));
   for (const float pulse_s : sonar.pulse_length_s) {
     if (pulse_s > 0.0F && !IsPlausiblePulse(pulse_s))
@@ -240,7 +239,7 @@ void Describe(const SonarInfo& sonar, RecordingInfo& info) {
     if (sonar.quantity == IntensityQuantity::kAmplitude) info.display_gamma = 1.0;
     if (sonar.quantity == IntensityQuantity::kPower) info.display_gamma = 2.0;
   }
-  if (std::abs(sonar.source_level_db) <= kMaxRecordedLevelDb) info.source_level_db = sonar.source_level_db;
+  if (kRecordedLevelDb.Contains(sonar.source_level_db)) info.source_level_db = sonar.source_level_db;
   // Messages without this note state a gain, or have a note of their own.
   if (std::erase(info.notes, kNoSettingsRecorded) > 0)
     info.notes.emplace_back("Neither gain nor water is recorded.");

@@ -5,7 +5,8 @@
 
 #include "core/sonars/aris_pings.h"
 #include "core/types/error.h"
-#include "data_io/recordings/recording_limits.h"
+#include "data_io/json/recording_limits.h"
+#include "data_io/sonars/header_gain.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -65,9 +66,8 @@ PolarAxes ArisAxes(const ArisHeader& header, const std::string& what) {
 
 SonarSettings ArisSettings(const ArisHeader& header) {
   SonarSettings settings;
-  if (header.gain_db <= kMaxRecordedLevelDb) settings.gain_db = header.gain_db;
-  if (header.pulse_width_us > 0 && header.pulse_width_us <= kMaxRecordedPulseUs)
-    settings.pulse_length_us = header.pulse_width_us;
+  settings.gain_db = HeaderGainDb(header.gain_db);
+  if (kRecordedPulseUs.Contains(header.pulse_width_us)) settings.pulse_length_us = header.pulse_width_us;
   settings.compression = Compression::kLogarithm;
   return settings;
 }
@@ -99,8 +99,7 @@ void DescribeAris(const ArisHeader& header, const std::string& what, RecordingIn
                     header.water_temperature_c, header.salinity_ppt));
   }
   info.settings = ArisSettings(header);
-  if (!info.settings.gain_db)
-    info.notes.push_back(fmt::format("Receiver gain {} dB is impossible and was omitted.", header.gain_db));
+  NoteHeaderGain(header.gain_db, info);
   if (!info.settings.pulse_length_us) {
     info.notes.push_back(
         fmt::format("Pulse width {} us is impossible and was omitted.", header.pulse_width_us));

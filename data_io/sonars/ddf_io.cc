@@ -9,6 +9,7 @@
 #include "data_io/files/byte_reader.h"
 #include "data_io/sonars/didson_io.h"
 #include "data_io/sonars/frames_by_size.h"
+#include "data_io/sonars/header_gain.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -189,7 +190,9 @@ class DdfRecording final : public RecordingSource {
   }
 
   static SonarSettings SettingsOf(const DdfFrameHeader& header) {
-    return {.gain_db = header.gain_db, .pulse_length_us = {}, .time_varied_gain = {}, .compression = {}};
+    SonarSettings settings;
+    settings.gain_db = HeaderGainDb(header.gain_db);
+    return settings;
   }
 
   static FrameInfo InfoOf(int index, const DdfFrameHeader& header) {
@@ -223,6 +226,7 @@ class DdfRecording final : public RecordingSource {
         "Elevation beam width and frequency are not recorded; the manufacturer's nominal values are used.",
         "Neither sound speed, water nor dB scale is recorded.",
         "The reader follows the published layout; it was tried on no file of a real DIDSON."};
+    NoteHeaderGain(first_.gain_db, info_);
     if (header_.beams == 48)
       info_.notes.emplace_back("Each of the 48 beams is assumed to lie midway between two of the 96.");
     info_.notes.emplace_back(

@@ -10,6 +10,7 @@
 #include "core/types/units.h"
 #include "data_io/images/grey_frame.h"
 #include "data_io/json/json_reader.h"
+#include "data_io/sonars/header_gain.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -95,8 +96,9 @@ Settings ReadSettings(const fs::path& file) {
 }
 
 SonarSettings SonarSettingsOf(const Settings& settings) {
-  return {
-      .gain_db = settings.receiver_gain_db, .pulse_length_us = {}, .time_varied_gain = {}, .compression = {}};
+  SonarSettings of_ping;
+  of_ping.gain_db = HeaderGainDb(settings.receiver_gain_db);
+  return of_ping;
 }
 
 class DidsonRecording final : public RecordingSource {
@@ -120,6 +122,7 @@ class DidsonRecording final : public RecordingSource {
     info_.notes = {
         "Frequency and elevation beam width are those of a DIDSON with 96 beams; they are not recorded.",
         "Neither sound speed, water, dB scale nor pose is recorded."};
+    NoteHeaderGain(first.receiver_gain_db, info_);
   }
 
   const RecordingInfo& info() const override { return info_; }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "core/types/error.h"
+#include "data_io/recordings/first_readable.h"
 #include "data_io/sonars/oculus_log.h"
 #include "data_io/sonars/oculus_model.h"
 #include "data_io/sonars/oculus_ping.h"
@@ -22,7 +22,11 @@ class OculusRecording final : public RecordingSource {
     is_log_ = IsOculusLog(file);
     is_log_ ? IndexLog() : IndexMessages();
     RefuseTooFewOrMany();
-    DescribeFirst();
+    DescribeFromFirstReadable(frame_count(), "ping", info_, [&](int index, RecordingInfo& info) {
+      const OculusPing ping = ReadPing(index, kMaxOculusPingHeaderBytes).ping;
+      info.format = fmt::format("Oculus simple ping result, version {}", ping.version);
+      DescribeOculus(ping, info);
+    });
     if (is_log_) {
       info_.format += ", in a log";
       info_.notes.emplace_back("Frames have the times of the log's items; their epoch is not documented.");
@@ -116,29 +120,6 @@ class OculusRecording final : public RecordingSource {
       throw DataError("{}: {} pings, expected at most {}", name_, offsets_.size(),
                       std::numeric_limits<int>::max());
     }
-  }
-
-  // Describes the sonar from the first ping that can be read, so that a damaged one does not hide the others.
-  // Throws the DataError of the first ping if none can be read.
-  void DescribeFirst() {
-    std::string of_first;
-    for (int index = 0; index < frame_count(); ++index) {
-      RecordingInfo info = info_;
-      try {
-        const OculusPing ping = ReadPing(index, kMaxOculusPingHeaderBytes).ping;
-        info.format = fmt::format("Oculus simple ping result, version {}", ping.version);
-        DescribeOculus(ping, info);
-        info_ = std::move(info);
-        if (index > 0) {
-          info_.notes.push_back(fmt::format(
-              "The sonar is described from ping {}, the first that can be read: {}.", index, of_first));
-        }
-        return;
-      } catch (const DataError& error) {
-        if (index == 0) of_first = error.what();
-      }
-    }
-    throw DataError("{}", of_first);
   }
 
   // First `wanted` bytes of a message, or all of it, and the parsed ping. Only the positions of pings are

@@ -31,6 +31,7 @@ struct MadeUpDdf {
   std::uint32_t year = 2016;
   std::uint32_t month = 7;
   std::uint32_t day = 19;
+  std::uint32_t gain_db = 40;
 
   std::size_t FrameOffset(int frame) const {
     const std::size_t header = version == 3 ? 512 : 1024;
@@ -57,7 +58,7 @@ struct MadeUpDdf {
       for (int i = 0; i < 7; ++i) file.U32(at + 20 + 4 * i, clock[i]);
       file.U32(at + 52, start_code);
       file.U32(at + 56, length_code);
-      file.U32(at + 68, 40);
+      file.U32(at + 68, gain_db);
       file.F32(at + 164, -12.5F);
       file.U32(at + 192, flags);
       const std::size_t pixels = at + (version == 3 ? 256 : 1024);
@@ -145,6 +146,14 @@ TEST_F(DdfTest, MonthsAndDaysOfMoreThanAByteAreNoDate) {
   EXPECT_FALSE(Open({.month = 257})->frame_info(0).time_s);
   EXPECT_FALSE(Open({.day = 275})->frame_info(0).time_s);
   EXPECT_FALSE(Open({.month = 2, .day = 30})->frame_info(0).time_s);
+}
+
+TEST_F(DdfTest, GainsThatCannotBeAreLeftOut) {
+  EXPECT_EQ(Open({})->info().settings.gain_db, 40.0);
+  const auto odd = Open({.gain_db = 1001});
+  EXPECT_FALSE(odd->info().settings.gain_db);
+  EXPECT_FALSE(odd->frame_info(1).settings.gain_db);
+  EXPECT_THAT(odd->info().notes, ::testing::Contains("Receiver gain 1001 dB is impossible and was omitted."));
 }
 
 TEST_F(DdfTest, UntestedFormatsAndContradictoryCountsAreNoted) {

@@ -136,6 +136,16 @@ TEST_F(DidsonTest, OpensAFolderInOrderOfTimeAndASinglePing) {
   EXPECT_THROW(OpenRecording(dir_ / "1468966376000011.json"), DataError);
 }
 
+TEST_F(DidsonTest, GainsThatCannotBeAreLeftOut) {
+  EXPECT_EQ(OpenRecording(dir_.path())->info().settings.gain_db, 20.0);
+  nlohmann::json odd = Settings();
+  odd["rx_gain"] = -1e4;
+  WritePing("1468966376000002", odd);
+  EXPECT_FALSE(OpenRecording(dir_.path())->info().settings.gain_db);
+  EXPECT_THAT(OpenRecording(dir_.path())->info().notes,
+              ::testing::Contains(HasSubstr("Receiver gain -10000 dB is impossible")));
+}
+
 TEST_F(DidsonTest, RefusesSettingsOutsideTheirDomain) {
   EXPECT_THAT(Refusal("num_beams", 48), HasSubstr("num_beams"));
   EXPECT_THAT(Refusal("num_bins", 0), HasSubstr("num_bins"));
