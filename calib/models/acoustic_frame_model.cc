@@ -173,11 +173,14 @@ AcousticFrameModel AcousticFrameModel::OneFrameAtATime(const AcousticFrameModel&
   return {other, simulator, values, geometric, keeps_echoes};
 }
 
+FrameModel::SpeckleCell SpeckleCellOf(const PolarAxes& axes, const ParameterSet& complete) {
+  const double spacing_deg = DegFromRad(axes.beam_spacing_rad());
+  return {.bins = std::max(1.0, complete.pulse.length_m / axes.range_bin_m()),
+          .beams = spacing_deg > 0.0 ? std::max(1.0, complete.beam.azimuth_width_deg / spacing_deg) : 1.0};
+}
+
 FrameModel::SpeckleCell AcousticFrameModel::speckle_cell() const {
-  const SonarModel& sonar = simulator_.sonar();
-  const double spacing_deg = DegFromRad(sonar.axes.beam_spacing_rad());
-  return {.bins = std::max(1.0, initial_.pulse.length_m / sonar.axes.range_bin_m()),
-          .beams = spacing_deg > 0.0 ? std::max(1.0, initial_.beam.azimuth_width_deg / spacing_deg) : 1.0};
+  return SpeckleCellOf(simulator_.sonar().axes, initial_);
 }
 
 int AcousticFrameModel::first_of_pose(int frame) const {

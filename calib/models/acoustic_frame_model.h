@@ -47,6 +47,10 @@ struct AcousticFrame {
 // saturated receiver piles up (core/imaging/saturation.h), are censored.
 std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const DisplayParameters<double>& display);
 
+// Pixels of recorded speckle that share their value. `complete`: parameters with the actual beam and pulse
+// (sim::WithResponse).
+FrameModel::SpeckleCell SpeckleCellOf(const PolarAxes& axes, const ParameterSet& complete);
+
 class AcousticFrameModel final : public FrameModel {
  public:
   // Simulator and frames must outlive the model. Traces every frame. Throws DataError if a frame does not fit

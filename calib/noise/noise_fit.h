@@ -65,6 +65,11 @@ struct NoiseFitOptions {
   std::function<void(const std::string& line)> progress;
 };
 
+// Whether the fit frees soft_db: in the law kSoftLog, unless the caller gives the display.
+inline bool FitsSoftDb(const DisplayParameters<double>& display, const NoiseFitOptions& options) {
+  return display.law == DisplayLaw::kSoftLog && !options.display;
+}
+
 // Min gain of each step to a richer law (another display, speckle, a gain, a second floor).
 inline constexpr double kRelevantNats = 2e-5;  // per pixel
 // Min gain of a diffuse component beside texture over all pixels that select. With fewer than 100000 pixels,

@@ -125,7 +125,7 @@ std::vector<NoiseForm> DisplayForms(const RecordingInfo& info, const NoiseFitOpt
   std::vector<NoiseForm> forms;
   for (const DisplayLaw law : {DisplayLaw::kLog, DisplayLaw::kSoftLog}) {
     display.law = law;
-    NoiseForm form{.display = display, .fit_span = !span, .fit_soft_db = law == DisplayLaw::kSoftLog};
+    NoiseForm form{.display = display, .fit_span = !span, .fit_soft_db = FitsSoftDb(display, options)};
     forms.push_back(form);
     form.speckle = sim::SpeckleLaw::kWeighted;
     if (span) forms.push_back(form);

@@ -39,7 +39,7 @@ double ShareOfLogit(double logit) {
   return 1.0 / (1.0 + std::exp(-logit));
 }
 
-NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, bool keep_display, int beams) {
+NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, bool fit_soft_db, int beams) {
   NoiseLayout layout;
   layout.beams = beams;
   const auto take = [&layout](int count) { return std::exchange(layout.count, layout.count + count); };
@@ -54,7 +54,7 @@ NoiseLayout MakeLayout(const NoiseLaw& law, bool fit_span, bool keep_display, in
     layout.log_looks = take(1);
     if (law.speckle == sim::SpeckleLaw::kKDiffuse) layout.logit_diffuse = take(1);
   }
-  if (law.display.law == DisplayLaw::kSoftLog && !keep_display) layout.soft_db = take(1);
+  if (fit_soft_db) layout.soft_db = take(1);
   if (law.receiver.noise_db) layout.taper = take(beams);
   if (law.receiver.noise_after_gain_db) layout.after_taper = take(beams);
   return layout;
@@ -366,7 +366,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
                          const NoiseCells& cells, const std::vector<double>& weight,
                          const NoiseFitOptions& options) {
   NoiseSolution solution;
-  solution.layout = MakeLayout(start, fit_span, options.display.has_value(), cells.beams());
+  solution.layout = MakeLayout(start, fit_span, FitsSoftDb(start.display, options), cells.beams());
   const NoiseLayout& layout = solution.layout;
   solution.value = ToVector(start, layout);
   SetPriors(solution, options);

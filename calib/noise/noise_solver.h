@@ -54,8 +54,8 @@ inline constexpr double kMaxSlopeDbPerM = 1000.0;
 
 // Levenberg-Marquardt. Ends without `converged` if no step lowers the cost at any damping, or after
 // options.max_iterations. The law is then the best one found, finite and within the bounds above. `start`
-// gives the form: its floors, display law and gain. `fit_span`: frees the span instead of the looks. The
-// soft_db of the law kSoftLog is free, unless options.display is given.
+// gives the form: its floors, display law and gain. `fit_span`: frees the span instead of the looks.
+// FitsSoftDb decides whether soft_db is free.
 NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts& counts,
                          const NoiseCells& cells, const std::vector<double>& weight,
                          const NoiseFitOptions& options);

@@ -14,7 +14,6 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kMaxWorseNats = 4.0;   // nats; odds of 55 to 1
 constexpr double kApart = 4.0;          // min distance of two different poses, sigmas
 constexpr int kStepsDown = 3;           // number of steps downhill in the search for another valley
 constexpr double kMaxStartNats = 60.0;  // nats; a start with more is abandoned

@@ -16,6 +16,9 @@
 
 namespace sonarcal::calib {
 
+// A second pose or place agrees as well as the first if it fits worse by at most this.
+inline constexpr double kMaxWorseNats = 4.0;  // odds of 55 to 1
+
 struct OtherPose {
   int frame = 0;                                // index among the model's frames
   std::vector<std::pair<int, double>> entries;  // pose entries of the frame with their values there
@@ -23,8 +26,8 @@ struct OtherPose {
   std::string sentence;
 };
 
-// Returns other poses that fit better, or worse by less than 4 nats, in the order of frames. Tests frames
-// with all components of the pose free, and without a free mount offset. `entries` are those of
+// Returns other poses that fit better, or worse by at most kMaxWorseNats, in the order of frames. Tests
+// frames with all components of the pose free, and without a free mount offset. `entries` are those of
 // FreePlacements.
 std::vector<OtherPose> OtherPoses(const AcousticFrameModel& model, const std::vector<CatalogEntry>& catalog,
                                   const std::vector<int>& entries, const ParameterValues& values);

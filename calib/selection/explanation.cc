@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calib/mirror_start.h"
+#include "calib/models/acoustic_frame_model.h"
 #include "calib/problem_builder.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -305,11 +306,7 @@ class Explainer {
   // Blocks have the same size in all steps, that of the given beam and pulse.
   BlockPixels BlockOf(const ParameterSet& given) const {
     const PolarAxes& axes = sonar_.axes;
-    const double spacing_deg = DegFromRad(axes.beam_spacing_rad());
-    const FrameModel::SpeckleCell cell{
-        .bins = std::max(1.0, given.pulse.length_m / axes.range_bin_m()),
-        .beams = spacing_deg > 0.0 ? std::max(1.0, given.beam.azimuth_width_deg / spacing_deg) : 1.0};
-    return BlockSize(cell, axes.range_bins, axes.beam_count(), options_.fit);
+    return BlockSize(SpeckleCellOf(axes, given), axes.range_bins, axes.beam_count(), options_.fit);
   }
 
   BlockedLikelihood Likelihood(const ExplainedStep& step, const std::vector<GreyFrame>& frames,

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <utility>
 
+#include "calib/poses/pose_ambiguity.h"
 #include "core/types/units.h"
 
 namespace sonarcal::calib {
@@ -164,7 +165,6 @@ class Locator {
 
   // The mirror image of a position in the mean image plane, refined, if it is elsewhere and agrees as well.
   std::optional<Eigen::Vector3d> MirrorOf(const Eigen::Vector3d& position_m) const {
-    constexpr double kMaxWorseNats = 4.0;  // odds of 55 to 1
     Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     for (const TargetSight& sight : sights_) {
