@@ -376,51 +376,54 @@ TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
   EXPECT_NE(all.find("pose.2: its mirror image"), std::string::npos) << all;
 }
 
+// One frame of that box, with its pose free.
+class BoxBesideTheMiddle : public SmallTankFrames {
+ protected:
+  BoxBesideTheMiddle() {
+    FitConfig config{.free = std::vector<std::string>{"pose"}};
+    ApplyFitConfigWithPriors(model_.initial_values(), config, catalog_);
+  }
+
+  static bool NamesAMirrorImage(const std::vector<OtherPose>& others) {
+    return std::ranges::any_of(others, [](const OtherPose& other) {
+      return other.sentence.find("its mirror image") != std::string::npos;
+    });
+  }
+
+  Pose pose_ = BesideTheMiddle();
+  sim::Simulator in_open_water_{BoxInOpenWater(), SmallSonar(), Options()};
+  std::vector<AcousticFrame> frames_ = {Recorded(in_open_water_, pose_, pose_, 2)};
+  AcousticFrameModel model_{in_open_water_, frames_, truth_};
+  std::vector<CatalogEntry> catalog_ = model_.catalog();
+};
+
 // A fit that turns past half a turn goes on counting: its heading and the prior then differ by whole turns
 // from the named angles of a pose.
-TEST_F(SmallTankFrames, AMirrorImageIsNamedForAHeadingBeyondHalfATurn) {
-  const sim::Simulator simulator(BoxInOpenWater(), SmallSonar(), Options());
-  const Pose pose = BesideTheMiddle();
-  const std::vector<AcousticFrame> frames = {Recorded(simulator, pose, pose, 2)};
-  const AcousticFrameModel model(simulator, frames, truth_);
-  FitConfig config{.free = std::vector<std::string>{"pose"}};
-  std::vector<CatalogEntry> catalog = model.catalog();
-  ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
-  const std::vector<int> entries = PoseEntries(catalog);
-  ParameterValues values = model.initial_values();
+TEST_F(BoxBesideTheMiddle, AMirrorImageIsNamedForAHeadingBeyondHalfATurn) {
+  const std::vector<int> entries = PoseEntries(catalog_);
+  ParameterValues values = model_.initial_values();
   const int yaw = entries[kTurnOfSonar];
   values[yaw] += 360.0;
-  catalog[yaw].prior->coordinate += 360.0;
-  const std::vector<OtherPose> others = OtherPoses(model, catalog, entries, values);
-  EXPECT_TRUE(std::ranges::any_of(others, [](const OtherPose& other) {
-    return other.sentence.find("its mirror image") != std::string::npos;
-  }));
+  catalog_[yaw].prior->coordinate += 360.0;
+  const std::vector<OtherPose> others = OtherPoses(model_, catalog_, entries, values);
+  EXPECT_TRUE(NamesAMirrorImage(others));
   for (const OtherPose& other : others) EXPECT_LE(other.worse_by, 4.0) << other.sentence;
 }
 
 // The pose of a frame is that of the mount, which the tilt follows.
-TEST_F(SmallTankFrames, AMirrorImageIsThatOfTheTiltedSonar) {
-  const sim::Simulator simulator(BoxInOpenWater(), SmallSonar(), Options());
-  const Pose pose = BesideTheMiddle();
-  const std::vector<AcousticFrame> frames = {Recorded(simulator, pose, pose, 2)};
-  const AcousticFrameModel model(simulator, frames, truth_);
-  FitConfig config{.free = std::vector<std::string>{"pose"}};
-  std::vector<CatalogEntry> catalog = model.catalog();
-  ApplyFitConfigWithPriors(model.initial_values(), config, catalog);
-  ParameterValues values = model.initial_values();
-  const auto tilt = std::ranges::find(catalog, "geometry.tilt_deg", &CatalogEntry::name) - catalog.begin();
+TEST_F(BoxBesideTheMiddle, AMirrorImageIsThatOfTheTiltedSonar) {
+  ParameterValues values = model_.initial_values();
+  const auto tilt = std::ranges::find(catalog_, "geometry.tilt_deg", &CatalogEntry::name) - catalog_.begin();
   values[tilt] = 25.0;
-  const PoseStep mount = NamedValues(pose * model.MountOf(values).Inverse());
-  for (const int entry : PoseEntries(catalog)) {
-    values[entry] = mount(catalog[entry].index);
-    if (catalog[entry].prior)
-      catalog[entry].prior->coordinate = catalog[entry].CoordinateFromValue(values[entry]);
+  const PoseStep mount = NamedValues(pose_ * model_.MountOf(values).Inverse());
+  for (const int entry : PoseEntries(catalog_)) {
+    values[entry] = mount(catalog_[entry].index);
+    if (catalog_[entry].prior)
+      catalog_[entry].prior->coordinate = catalog_[entry].CoordinateFromValue(values[entry]);
   }
-  EXPECT_LT(StepBetween(model.PoseOf(0, values), pose).norm(), 1e-9);
-  const std::vector<OtherPose> others = OtherPoses(model, catalog, PoseEntries(catalog), values);
-  EXPECT_TRUE(std::ranges::any_of(others, [](const OtherPose& other) {
-    return other.sentence.find("its mirror image") != std::string::npos;
-  }));
+  EXPECT_LT(StepBetween(model_.PoseOf(0, values), pose_).norm(), 1e-9);
+  const std::vector<OtherPose> others = OtherPoses(model_, catalog_, PoseEntries(catalog_), values);
+  EXPECT_TRUE(NamesAMirrorImage(others));
 }
 
 // A SYNTHETIC recording made by another kind of simulation: two frames, curves and noise unknown as well.

@@ -92,17 +92,21 @@ TEST(OtsuTest, NothingIsAboveTheThresholdOfAConstant) {
   EXPECT_EQ(OtsuThreshold({5.0f, 5.0f}), 5.0);
 }
 
+// OpenCV's threshold of whole values of 0 to 255.
+double OpenCvTriangle(const std::vector<float>& values) {
+  cv::Mat1b image(1, static_cast<int>(values.size()));
+  for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);
+  cv::Mat1b binary;
+  return cv::threshold(image, binary, 0.0, 255.0, cv::THRESH_BINARY | cv::THRESH_TRIANGLE);
+}
+
 TEST(TriangleTest, AgreesWithOpenCvOnAnEightBitImage) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::vector<float> values = TwoBumps(seed, 5000);
     if (seed % 2 == 0) {  // the longer tail below
       for (float& value : values) value = 255.0f - value;
     }
-    cv::Mat1b image(1, static_cast<int>(values.size()));
-    for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);
-    cv::Mat1b binary;
-    const double reference =
-        cv::threshold(image, binary, 0.0, 255.0, cv::THRESH_BINARY | cv::THRESH_TRIANGLE);
+    const double reference = OpenCvTriangle(values);
     EXPECT_NEAR(TriangleThreshold(values, 255.0), reference, 1e-9) << "seed " << seed;
     for (float& value : values) value *= 16.0f;
     EXPECT_NEAR(TriangleThreshold(values, 16.0 * 255.0), 16.0 * reference, 1e-9) << "seed " << seed;
@@ -118,12 +122,7 @@ TEST(TriangleTest, AgreesWithOpenCvOnSparseHistograms) {
     const int top = 20 + static_cast<int>(random() % 216);
     values.insert(values.end(), 30, static_cast<float>(top));
     for (int i = 0; i < 120; ++i) values.push_back(static_cast<float>(first + random() % (last - first + 1)));
-    cv::Mat1b image(1, static_cast<int>(values.size()));
-    for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);
-    cv::Mat1b binary;
-    const double reference =
-        cv::threshold(image, binary, 0.0, 255.0, cv::THRESH_BINARY | cv::THRESH_TRIANGLE);
-    EXPECT_NEAR(TriangleThreshold(values, 255.0), reference, 1e-9) << "trial " << trial;
+    EXPECT_NEAR(TriangleThreshold(values, 255.0), OpenCvTriangle(values), 1e-9) << "trial " << trial;
   }
 }
 
@@ -135,12 +134,7 @@ TEST(TriangleTest, AgreesWithOpenCvWhereLevelsReachTheEnds) {
       value = std::clamp(seed % 2 == 0 ? 1.7f * value - 70.0f : 290.0f - 1.6f * value, 0.0f, 255.0f);
       value = std::round(value);
     }
-    cv::Mat1b image(1, static_cast<int>(values.size()));
-    for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);
-    cv::Mat1b binary;
-    const double reference =
-        cv::threshold(image, binary, 0.0, 255.0, cv::THRESH_BINARY | cv::THRESH_TRIANGLE);
-    EXPECT_NEAR(TriangleThreshold(values, 255.0), reference, 1e-9) << "seed " << seed;
+    EXPECT_NEAR(TriangleThreshold(values, 255.0), OpenCvTriangle(values), 1e-9) << "seed " << seed;
   }
 }
 
