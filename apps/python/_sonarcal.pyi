@@ -301,7 +301,7 @@ def _compare(
 def _fit(
     recording: Recording,
     scene: Scene,
-    params: Union[Parameters, _Path],
+    params: Union[Parameters, Mapping[str, Any], _Path],
     options: FitOptions,
     progress: _Progress,
     say: _Say,

@@ -22,7 +22,6 @@
 #include "apps/workflow/simulate.h"
 #include "apps/workflow/task/recording_transfer.h"
 #include "core/types/frame_list.h"
-#include "data_io/parameters/parameters_io.h"
 #include "data_io/pose_io.h"
 #include "metrics/json/metrics_json.h"
 #include "metrics/segmentation/segmentation.h"
@@ -83,24 +82,16 @@ ComparedRecordings Compare(Recording real, Recording simulated, workflow::Compar
   return {std::move(real), std::move(simulated), std::move(comparison)};
 }
 
-// Start of a fit. Materials of a file may have a prior and no curve, as for `sonarcal fit`.
-using StartSource = std::variant<std::filesystem::path, ParameterSet>;
-
-ParameterSet StartOf(const StartSource& source, const workflow::MaterialOptions& materials) {
-  if (const auto* file = std::get_if<std::filesystem::path>(&source))
-    return data_io::ReadStartParameters(*file, materials.Known());
-  return std::get<ParameterSet>(source);
-}
-
-py::tuple Fit(const RecordingSource& recording, const Scene& scene, const StartSource& start,
+py::tuple Fit(const RecordingSource& recording, const Scene& scene, const py::object& params,
               const workflow::FitOptions& options, py::object progress, py::object say) {
   Listener listener(std::move(progress), std::move(say));
+  const ParameterSet start = StartFromObject(params, options.materials.Known());
   workflow::RecordingFit fit;
   std::string report;
   {
     const py::gil_scoped_release release;
     fit = listener.Run([&](const workflow::Listener& task) {
-      return workflow::Fit(recording, scene, StartOf(start, options.materials), options, task);
+      return workflow::Fit(recording, scene, start, options, task);
     });
     report = commands::FitJson(fit);
   }

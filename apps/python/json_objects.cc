@@ -54,4 +54,10 @@ ParameterSet ParametersFromObject(const py::object& source) {
   return data_io::ReadParameters(source.cast<std::filesystem::path>());
 }
 
+ParameterSet StartFromObject(const py::object& source, const std::vector<NamedMaterial>& materials) {
+  if (IsMapping(source)) return data_io::ParseStartParameters(JsonFromObject(source), kGiven, materials);
+  if (IsPath(source)) return data_io::ReadStartParameters(source.cast<std::filesystem::path>(), materials);
+  return ParametersFromObject(source);
+}
+
 }  // namespace sonarcal::python

@@ -4,7 +4,9 @@
 #include <pybind11/pybind11.h>
 
 #include <string>
+#include <vector>
 
+#include "core/materials/named_materials.h"
 #include "core/types/parameters.h"
 
 namespace sonarcal::python {
@@ -21,6 +23,10 @@ pybind11::object DictFromParameters(const ParameterSet& parameters);
 // `source`: Parameters, a dict in the form of params.json, or the path of such a file. Throws DataError
 // naming the key of anything wrong, raises TypeError for another type.
 ParameterSet ParametersFromObject(const pybind11::object& source);
+
+// As ParametersFromObject, for the start of a fit: in a dict or a file, a material may have a prior and no
+// curve (data_io::ReadStartParameters).
+ParameterSet StartFromObject(const pybind11::object& source, const std::vector<NamedMaterial>& materials);
 
 bool IsMapping(const pybind11::handle& value);
 // Whether `value` is a str or an os.PathLike.

@@ -93,6 +93,11 @@ ParameterSet ParseParameters(std::string_view text, const std::string& file) {
   return Read(JsonReader::FromText(text, file));
 }
 
+ParameterSet ParseStartParameters(std::string_view text, const std::string& file,
+                                  const std::vector<NamedMaterial>& materials) {
+  return Read(JsonReader::FromText(text, file), &materials);
+}
+
 Json ParametersJson(const ParameterSet& parameters) {
   Json json = {{"format", kParametersFormat}};
   json.update(MemberJson(parameters));

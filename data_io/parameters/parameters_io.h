@@ -33,8 +33,10 @@ ParameterSet ReadParameters(const std::filesystem::path& file);
 ParameterSet ReadStartParameters(const std::filesystem::path& file,
                                  const std::vector<NamedMaterial>& materials);
 
-// As ReadParameters; `file` is the name used in messages.
+// As the functions above; `file` is the name used in messages.
 ParameterSet ParseParameters(std::string_view text, const std::string& file);
+ParameterSet ParseStartParameters(std::string_view text, const std::string& file,
+                                  const std::vector<NamedMaterial>& materials);
 
 // Reads the members of an object in another file. Leaves unknown keys to the reader's Finish.
 ParameterSet ParametersFrom(const JsonReader& json);

@@ -39,18 +39,20 @@ def test_equals_the_command(world, recorded, result, tmp_path):
     assert result.parameters == json.loads((tmp_path / "fit" / "params.json").read_text())
 
 
-def test_a_material_of_a_file_may_have_a_prior_and_no_curve_as_for_the_command(world, tmp_path):
+def test_a_material_may_have_a_prior_and_no_curve_as_for_the_command(world, tmp_path):
     real = world.simulate_command("acoustic_real", "--noise", "--bits", "12", params=world.acoustic_file)
     materials = {**ACOUSTIC["materials"], "floor": {"prior": "sand:medium"}}
+    given = {**ACOUSTIC, "materials": materials}
     start = tmp_path / "start.json"
-    start.write_text(json.dumps({**ACOUSTIC, "materials": materials}))
+    start.write_text(json.dumps(given))
     free = "material.floor.gsab.C"
     world.command("fit", "--real", real, "--scene", world.scene_file, "--params", start, "--free", free, "--held-out", "3",
                   "--starts", "1", "--max-iterations", "20", "--rays", "48x100", "--threads", "1", "--quiet", "--out",
                   tmp_path / "fit")
-    result = sonarcal.fit(real, world.scene_file, start, **{**OPTIONS, "free": [free]})
-    assert result.parameters == json.loads((tmp_path / "fit" / "params.json").read_text())
-    assert result.parameters["materials"]["floor"]["prior"] == "sand:medium"
+    for params in (start, given):
+        result = sonarcal.fit(real, world.scene_file, params, **{**OPTIONS, "free": [free]})
+        assert result.parameters == json.loads((tmp_path / "fit" / "params.json").read_text())
+        assert result.parameters["materials"]["floor"]["prior"] == "sand:medium"
 
 
 def test_takes_a_configuration_as_a_dict(world, recorded, result):

@@ -439,7 +439,7 @@ def fit(
     scene : Scene or path
         The scene that was recorded: glTF, OBJ, STL or PLY.
     params : Parameters, dict or path
-        Parameters to start from, which name the model. In a file, a material may have a prior and no curve.
+        Parameters to start from, which name the model. In a dict or a file, a material may have a prior and no curve.
     options : FitOptions or dict, optional
         Options. The keywords below override them.
     progress : callable, optional
@@ -451,8 +451,7 @@ def fit(
         The fitted parameters and the report (fit.json), with plot().
     """
     settings = FitOptions(options, **keywords)
-    start = params if isinstance(params, (str, os.PathLike)) else _params(params)
-    return FitResult(*_sonarcal._fit(_recording(recording), _scene(scene)[0], start, settings, progress, _say))
+    return FitResult(*_sonarcal._fit(_recording(recording), _scene(scene)[0], params, settings, progress, _say))
 
 
 @_takes(CalibrateOptions)
