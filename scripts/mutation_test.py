@@ -3,7 +3,8 @@
 
     scripts/mutation_test.py WORK [--sample N] [--seed S] [--only FOLDER] [--again] [--jobs J]
 
-WORK: folder for the build and the results, such as build-mutants. A second call goes on where the first one stopped.
+WORK: folder for the build and the results, such as build-mutants. A second call goes on where the first one stopped, and
+takes only mutants of changed files again.
 --sample: draws N mutants at random (default: all). --seed: of the draw (default: 1). --only: mutants of one folder or
 file. --again: runs the tests of survivors once more, after tests were added.
 
@@ -46,17 +47,25 @@ def save(path, value):
     part.replace(path)
 
 
+def place_of(mutant):
+    return f"{mutant['file']}:{mutant['start']}:{mutant['end']}:{mutant['change']}"
+
+
 def find(work):
-    """State of a work folder: mutants and results. Both are made anew if a source has changed."""
-    digest = hashlib.sha256()
+    """State of a work folder: mutants and results. If a source has changed, keeps the results of all other files."""
+    digests = {}
     for place in mutants.PLACES:
         for path in sorted((ROOT / place).rglob("*")) if (ROOT / place).is_dir() else [ROOT / place]:
-            digest.update(path.read_bytes() if path.is_file() else b"")
-    state = load(work / "mutants.json", {})
-    if state.get("digest") != digest.hexdigest():
+            if path.is_file():
+                digests[str(path.relative_to(ROOT))] = hashlib.sha256(path.read_bytes()).hexdigest()
+    state = load(work / "mutants.json", {"digests": {}, "mutants": [], "results": {}})
+    if state["digests"] != digests:
         print("Finding mutants ...", file=sys.stderr)
+        kept = {place_of(m): state["results"][str(m["id"])] for m in state["mutants"]
+                if str(m["id"]) in state["results"] and state["digests"].get(m["file"]) == digests.get(m["file"])}
         files, found = mutants.all_mutants(ROOT)
-        state = {"digest": digest.hexdigest(), "files": files, "mutants": found, "results": {}}
+        results = {str(m["id"]): kept[place_of(m)] for m in found if place_of(m) in kept}
+        state = {"digests": digests, "files": files, "mutants": found, "results": results}
         save(work / "mutants.json", state)
     return state
 
