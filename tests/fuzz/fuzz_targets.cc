@@ -10,6 +10,7 @@
 
 #include "core/types/error.h"
 #include "data_io/bag_trajectory.h"
+#include "data_io/files/hash.h"
 #include "data_io/files/pickle.h"
 #include "data_io/images/image_io.h"
 #include "data_io/mcap/mcap_file.h"
@@ -23,6 +24,7 @@
 #include "data_io/scenes/scene_io.h"
 #include "data_io/sonars/frame_tree.h"
 #include "data_io/trajectory_io.h"
+#include "metrics/json/comparison_part.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace sonarcal::fuzz {
@@ -220,6 +222,15 @@ void Mount(std::string_view bytes) {
   data_io::ReadMount(TheFolder().Write("mount.json", bytes));
 }
 
+// What follows the hash of a part of a comparison. The hash always agrees, so that damage reaches the parser.
+void ComparisonPartBody(std::string_view bytes) {
+  static const std::string header = [] {
+    const std::string part = metrics::ComparisonPartBytes({});
+    return part.substr(0, part.find('\n') + 1);
+  }();
+  metrics::ParseComparisonPart(header + data_io::Sha256(bytes) + std::string(bytes), "part");
+}
+
 struct NamedParser {
   std::string_view name;
   Parser parser;
@@ -248,6 +259,7 @@ constexpr NamedParser kParsers[] = {
     {"mount", Mount},
     {"marker_map", MarkerMapFile},
     {"camera", CameraFile},
+    {"comparison_part", ComparisonPartBody},
 };
 
 }  // namespace

@@ -519,6 +519,7 @@ distortion_coefficients: !!opencv-matrix
       w: 0.0
 """ for parent, child in (("ar3", "aris"), ("aris", "sonar")))
     put("frame_tree", "transforms.yaml", "setup:\n" + links)
+    put("comparison_part", "zeros", bytes(400))  # its layout is that of the program that writes it
 
 
 if __name__ == "__main__":
