@@ -31,7 +31,7 @@ struct RayOptions {
         OptionInfo{.name = "sampling",
                    .help = "Arrangement of the rays: a pinhole grid as in the paper, or equal angles within "
                            "each beam",
-                   .by_default = "beams; for a fit to a recording by the paper's model, the recording's"},
+                   .by_default = "beams; a fit takes that of a recording that the paper's model made"},
         self.sampling);
     visit(OptionInfo{.name = "rays",
                      .help = "Columns x rows of rays over the field of view",
@@ -40,7 +40,7 @@ struct RayOptions {
     visit(OptionInfo{.name = "ray_weight",
                      .help = "Weight of a ray in the paper's model: equal, as in the paper, or by its solid "
                              "angle, for which both samplings give the same image",
-                     .by_default = "even; for a fit to a recording by the paper's model, the recording's"},
+                     .by_default = "even; a fit takes that of a recording that the paper's model made"},
           self.ray_weight);
     visit(
         OptionInfo{.name = "normals",
