@@ -278,6 +278,10 @@ std::vector<bool> ApplyFitConfig(const FitConfig& config, std::vector<CatalogEnt
     if (entry.logarithmic && !(range.first > 0.0)) {
       throw DataError("fit: lower bound {} of {}, expected a positive one", range.first, entry.name);
     }
+    if (range.first < entry.file_lower || range.second > entry.file_upper) {
+      throw DataError("fit: bounds {} .. {} of {}, expected them within {} .. {}, the limits of params.json",
+                      range.first, range.second, entry.name, entry.file_lower, entry.file_upper);
+    }
     entry.lower = range.first;
     entry.upper = range.second;
   });

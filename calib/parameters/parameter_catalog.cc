@@ -142,6 +142,8 @@ class CatalogBuilder {
                         .index = index,
                         .lower = limits.lower,
                         .upper = limits.upper,
+                        .file_lower = info.min,
+                        .file_upper = info.max,
                         .logarithmic = info.scale == ParameterScale::kLogarithmic,
                         .typical_step = step});
     return true;

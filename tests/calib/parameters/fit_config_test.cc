@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -65,6 +67,22 @@ TEST(FitConfigTest, PriorsAreOfValuesAndBecomePriorsOfCoordinates) {
             "{\"format\": \"sonar-fit-config/1\",\n\"priors\": {\"source_level_db\": [200, 0]}}");
   EXPECT_THAT([&] { ReadFitConfig(dir / "fit.json"); },
               ::testing::ThrowsMessage<DataError>(HasSubstr("sigma > 0")));
+}
+
+// A fit must not find a value that params.json cannot hold.
+TEST(FitConfigTest, BoundsBeyondTheLimitsOfTheParameterFileAreRefused) {
+  std::vector<CatalogEntry> catalog = BuildCatalog({"floor"});
+  const auto d = std::ranges::find(catalog, "material.floor.gsab.D", &CatalogEntry::name);
+  FitConfig config{.free = std::vector<std::string>{"materials"}};
+  for (const auto& [lower, upper] :
+       {std::pair{d->file_lower - 1.0, d->file_upper}, std::pair{d->file_lower, d->file_upper + 1.0}}) {
+    config.bounds = {{d->name, {lower, upper}}};
+    EXPECT_THAT([&] { ApplyFitConfig(config, catalog); },
+                ::testing::ThrowsMessage<DataError>(HasSubstr("the limits of params.json")));
+  }
+  config.bounds = {{d->name, {d->file_lower, d->file_upper}}};
+  ApplyFitConfig(config, catalog);
+  EXPECT_EQ(d->upper, d->file_upper);
 }
 
 // Bounds of each key in turn as [1, 1 + place], in an order in which the alphabet would choose another one.
