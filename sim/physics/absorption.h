@@ -175,10 +175,10 @@ inline double MackenzieSoundSpeed(double temperature_c, double salinity_ppt, dou
 // Speed of sound in pure water at atmospheric pressure, m/s. Bilaniuk & Wong, J. Acoust. Soc. Am. 93(3),
 // 1993, 148-point fit. Valid 0..100 C.
 inline double BilaniukWongSoundSpeed(double temperature_c) {
-  constexpr double kCoefficients[] = {1.40238744e3,  5.03836171,     -5.81172916e-2,
-                                      3.34638117e-4, -1.48259672e-6, 3.16585020e-9};
+  constexpr double kHighestPowerFirst[] = {3.16585020e-9,  -1.48259672e-6, 3.34638117e-4,
+                                           -5.81172916e-2, 5.03836171,     1.40238744e3};
   double speed = 0.0;
-  for (int i = 5; i >= 0; --i) speed = speed * temperature_c + kCoefficients[i];
+  for (const double coefficient : kHighestPowerFirst) speed = speed * temperature_c + coefficient;
   return speed;
 }
 

@@ -194,7 +194,7 @@ class AzimuthResponse {
     const double nearest = std::round(position);
     if (std::abs(position - nearest) < 1e-9) position = nearest;  // centre of a beam, up to rounding
     if (position < 0.0 || position > last) return 0.0;
-    const int below = std::min(static_cast<int>(position), std::max(last - 1, 0));
+    const int below = static_cast<int>(position);
     const int above = std::min(below + 1, last);
     const double level_db = table_db[below] + (position - below) * (table_db[above] - table_db[below]);
     return PowerFromDb(level_db);

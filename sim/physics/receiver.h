@@ -114,12 +114,9 @@ inline void CheckLooksToDraw(double looks) {
 inline std::pair<int, double> LooksAsWeights(double looks) {
   const int whole = static_cast<int>(std::floor(looks));
   const double n = whole;
-  // (1 - L) w^2 + 2 n w + n^2 - L n = 0
-  const double a = 1.0 - looks;
-  const double c = n * n - looks * n;
-  if (c == 0.0) return {whole, 0.0};
-  const double root = std::sqrt(n * n - a * c);
-  return {whole, (-n + root) / a};
+  // (1 - L) w^2 + 2 n w - c = 0, solved without a difference that loses digits.
+  const double c = looks * n - n * n;
+  return {whole, c / (n + std::sqrt(n * n + (1.0 - looks) * c))};
 }
 
 }  // namespace sonarcal::sim

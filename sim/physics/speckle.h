@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 #include <unsupported/Eigen/SpecialFunctions>
 #include <vector>
@@ -42,6 +43,14 @@ inline void CheckIsOfLooksAlone(SpeckleLaw law) {
   SONARCAL_CHECK(law != SpeckleLaw::kKDiffuse, "a law of looks and diffuse share: use KDiffuseLaw");
 }
 
+// Weight w of the second look, the first of which weighs 1, in the closed form of kWeighted. Absent for other
+// laws and for 2 looks or more; also if both weigh nearly the same, because the law is then Gamma.
+inline std::optional<double> SecondWeight(SpeckleLaw law, double looks) {
+  if (law != SpeckleLaw::kWeighted || looks >= 2.0) return std::nullopt;
+  const double w = LooksAsWeights(looks).second;
+  return 1.0 - w > 1e-6 ? std::optional(w) : std::nullopt;
+}
+
 // P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1; kK: >= kLeastTexturedLooks).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   CheckIsOfLooksAlone(law);
@@ -49,13 +58,9 @@ inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw
   if (!(ratio < 1e300)) return 1.0;
   if (looks == 1.0) return -std::expm1(-ratio);
   if (law == SpeckleLaw::kK && looks < 1.0) return std::clamp(1.0 - KLawSurvival(looks, ratio), 0.0, 1.0);
-  if (law == SpeckleLaw::kWeighted && looks < 2.0) {
-    const double w = LooksAsWeights(looks).second;
-    const double y = (1.0 + w) * ratio;
-    if (w > 1e-9 && 1.0 - w > 1e-6) {
-      return std::max(0.0, (-std::expm1(-y) + w * std::expm1(-y / w)) / (1.0 - w));
-    }
-    if (w <= 1e-9) return -std::expm1(-y);
+  if (const std::optional<double> w = SecondWeight(law, looks)) {
+    const double y = (1.0 + *w) * ratio;
+    return std::max(0.0, (-std::expm1(-y) + *w * std::expm1(-y / *w)) / (1.0 - *w));
   }
   return Eigen::numext::igamma(looks, looks * ratio);
 }
@@ -67,11 +72,9 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
   if (!(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
   if (law == SpeckleLaw::kK && looks < 1.0) return KLawSurvival(looks, ratio);
-  if (law == SpeckleLaw::kWeighted && looks < 2.0) {
-    const double w = LooksAsWeights(looks).second;
-    const double y = (1.0 + w) * ratio;
-    if (w <= 1e-9) return std::exp(-y);
-    if (1.0 - w > 1e-6) return (std::exp(-y) - w * std::exp(-y / w)) / (1.0 - w);
+  if (const std::optional<double> w = SecondWeight(law, looks)) {
+    const double y = (1.0 + *w) * ratio;
+    return (std::exp(-y) - *w * std::exp(-y / *w)) / (1.0 - *w);
   }
   return Eigen::numext::igammac(looks, looks * ratio);
 }
@@ -82,11 +85,9 @@ inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = Speckl
   if (!(ratio > 0.0) || !(ratio < 1e300)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
   if (law == SpeckleLaw::kK && looks < 1.0) return KLawDensity(looks, ratio);
-  if (law == SpeckleLaw::kWeighted && looks < 2.0) {
-    const double w = LooksAsWeights(looks).second;
-    const double y = (1.0 + w) * ratio;
-    if (w <= 1e-9) return std::exp(-y);
-    if (1.0 - w > 1e-6) return (1.0 + w) * (std::exp(-y) - std::exp(-y / w)) / (1.0 - w);
+  if (const std::optional<double> w = SecondWeight(law, looks)) {
+    const double y = (1.0 + *w) * ratio;
+    return (1.0 + *w) * (std::exp(-y) - std::exp(-y / *w)) / (1.0 - *w);
   }
   return std::exp(looks * std::log(looks * ratio) - looks * ratio - std::lgamma(looks)) / ratio;
 }

@@ -12,7 +12,7 @@ namespace sonarcal::sim {
 namespace {
 
 // Spherical Bessel functions j_l(x), l = 0 .. last, by the recurrence downwards, which is stable. They are
-// scaled by the sum of (2 l + 1) j_l^2, which is 1.
+// scaled by the larger one of j_0 and j_1, because the other may be near a zero.
 std::vector<double> BesselJ(int last, double x) {
   constexpr double kLarge = 1e120;
   const int start = std::max(last, static_cast<int>(x)) + 30 + static_cast<int>(6.0 * std::cbrt(x));
@@ -23,14 +23,11 @@ std::vector<double> BesselJ(int last, double x) {
     if (std::abs(j[l - 1]) < kLarge) continue;
     for (int k = l - 1; k <= start; ++k) j[k] /= kLarge;
   }
-  double squares = 0.0;
-  for (int l = 0; l <= start; ++l) squares += (2 * l + 1) * j[l] * j[l];
-  // The sign is that of j_0 or, near a zero of j_0, of j_1.
   const double j0 = std::sin(x) / x;
   const double j1 = (j0 - std::cos(x)) / x;
-  const double sign = j0 * j[0] + j1 * j[1] < 0.0 ? -1.0 : 1.0;
+  const double scale = std::abs(j0) > std::abs(j1) ? j0 / j[0] : j1 / j[1];
   j.resize(last + 1);
-  for (double& value : j) value *= sign / std::sqrt(squares);
+  for (double& value : j) value *= scale;
   return j;
 }
 

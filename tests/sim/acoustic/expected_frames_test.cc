@@ -95,7 +95,8 @@ TEST(EchoLevel, LevelsBeyondSinglePrecisionAreRefusedByTheModelsOfPower) {
   loud.model = EchoModel::kAcoustic;
   EXPECT_THAT([&] { simulator.RenderEchoes(echoes, loud); }, refused);
   loud.receiver.gain_db = 80.0;
-  for (const float value : simulator.Render(pose, loud).value.values()) {
+  const PolarImage image = simulator.Render(pose, loud);
+  for (const float value : image.value.values()) {
     ASSERT_GE(value, 0.0F);
     ASSERT_LE(value, kFullScale);
   }

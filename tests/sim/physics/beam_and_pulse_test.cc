@@ -60,6 +60,20 @@ TEST(BeamAndPulseTest, WidthsAreTheSonarsUnlessGiven) {
   EXPECT_EQ(given.pulse.length_m, 0.25);
 }
 
+TEST(BeamAndPulseTest, WidthsMayBeBelowOneDegree) {
+  SonarModel sonar = Sonar();
+  ParameterSet parameters = Parameters(AzimuthPattern::kGaussian);
+  parameters.beam.azimuth_width_deg = 0.5;
+  EXPECT_EQ(WithResponse(sonar, parameters).beam.azimuth_width_deg, 0.5);
+  sonar.azimuth_beam_width_deg = 0.6;
+  sonar.elevation_beam_width_deg = 0.7;
+  parameters.beam.azimuth_width_deg = 0.0;
+  EXPECT_EQ(WithResponse(sonar, parameters).beam.azimuth_width_deg, 0.6);
+  EXPECT_EQ(WithResponse(sonar, parameters).beam.elevation_width_deg, 0.7);
+  parameters.beam.elevation_width_deg = 0.8;
+  EXPECT_EQ(WithResponse(sonar, parameters).beam.elevation_width_deg, 0.8);
+}
+
 TEST(BeamAndPulseTest, AnUnknownWidthIsRefusedUnlessThereIsATable) {
   SonarModel sonar = Sonar();
   sonar.azimuth_beam_width_deg = 0.0;

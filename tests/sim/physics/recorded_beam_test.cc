@@ -25,6 +25,15 @@ TEST(AzimuthTableDb, RatiosOfGreyBecomeLevels) {
   EXPECT_EQ(table[6], table[2]);
 }
 
+// The lobe at either end decides the level beside it where no other lobe reaches.
+TEST(AzimuthTableDb, LobesAtBothEndsHaveFlanksToo) {
+  const RecordedBeamOptions options{.grey_per_db = 4.0, .peak_grey = 200.0, .main_lobe_beams = 1.0};
+  const std::vector<double> table =
+      AzimuthTableDb({0.9, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.8}, options, "test");
+  EXPECT_NEAR(table[1], -5.0 - 40.0 * std::log10(2.0), 1e-9);
+  EXPECT_NEAR(table[7], -10.0 - 40.0 * std::log10(2.0), 1e-9);
+}
+
 TEST(AzimuthTableDb, AnEvenResponseIsCompletedFromItsOtherEnd) {
   const std::vector<double> table = AzimuthTableDb({0.1, 0.0, 0.2, 0.0}, {}, "test");
   ASSERT_EQ(table.size(), 5U);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "core/math/random.h"
@@ -30,6 +31,29 @@ TEST(SpeckleTest, CumulativeFunctionsHaveTheirClosedForms) {
   }
   EXPECT_EQ(SpeckleCdf(1.4, 0.0), 0.0);
   EXPECT_EQ(SpeckleCdf(1.4, -1.0), 0.0);
+}
+
+TEST(SpeckleTest, InfiniteAndNegativeRatiosAreTheEnds) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted, SpeckleLaw::kK}) {
+    for (const double looks : {1.0, 1.3, 3.0}) {
+      EXPECT_EQ(SpeckleCdf(looks, kInfinity, law), 1.0);
+      EXPECT_EQ(SpeckleSurvival(looks, kInfinity, law), 0.0);
+      EXPECT_EQ(SpeckleDensity(looks, kInfinity, law), 0.0);
+      EXPECT_EQ(SpeckleCdf(looks, -1.0, law), 0.0);
+      EXPECT_EQ(SpeckleSurvival(looks, -1.0, law), 1.0);
+      EXPECT_EQ(SpeckleDensity(looks, -1.0, law), 0.0);
+    }
+  }
+}
+
+// Gamma of half a look: the square of a normal variable.
+TEST(SpeckleTest, HalfALookIsASquaredNormalVariable) {
+  for (const double x : {0.01, 0.5, 3.0}) {
+    EXPECT_NEAR(SpeckleSurvival(0.5, x), std::erfc(std::sqrt(0.5 * x)), 1e-12);
+    EXPECT_NEAR(SpeckleCdf(0.5, x), std::erf(std::sqrt(0.5 * x)), 1e-12);
+    EXPECT_NEAR(SpeckleDensity(0.5, x), std::exp(-0.5 * x) / std::sqrt(2.0 * std::numbers::pi * x), 1e-12);
+  }
 }
 
 TEST(SpeckleTest, SurvivalKeepsItsDigitsInTheTail) {
