@@ -93,7 +93,7 @@ TEST(BeamAndPulseTest, TapersAndTablesOutOfBoundsAreRefused) {
     EXPECT_THROW(AzimuthShapeOf(sonar, parameters), DataError);
   }
   parameters = Parameters(AzimuthPattern::kTable);
-  for (const int size : {1, 2, 4}) {
+  for (const int size : {1, 2, 4, 6}) {
     parameters.beam.azimuth_table_db.assign(size, 0.0);
     EXPECT_THROW(AzimuthShapeOf(sonar, parameters), DataError) << size;
   }
