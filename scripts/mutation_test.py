@@ -3,8 +3,8 @@
 
     scripts/mutation_test.py WORK [--sample N] [--seed S] [--only FOLDER] [--again] [--jobs J]
 
-WORK: folder for the build and the results, such as build-mutants. A second call goes on where the first one stopped, and
-takes only mutants of changed files again.
+WORK: folder for the build and the results, such as build-mutants. A second call goes on where the first one stopped. It
+tests mutants of changed files again, and keeps the other results.
 --sample: draws N mutants at random (default: all). --seed: of the draw (default: 1). --only: mutants of one folder or
 file. --again: runs the tests of survivors once more, after tests were added.
 
@@ -58,11 +58,12 @@ def find(work):
         for path in sorted((ROOT / place).rglob("*")) if (ROOT / place).is_dir() else [ROOT / place]:
             if path.is_file():
                 digests[str(path.relative_to(ROOT))] = hashlib.sha256(path.read_bytes()).hexdigest()
-    state = load(work / "mutants.json", {"digests": {}, "mutants": [], "results": {}})
-    if state["digests"] != digests:
+    state = load(work / "mutants.json", {"mutants": []})
+    before = state.get("digests", {})
+    if before != digests:
         print("Finding mutants ...", file=sys.stderr)
         kept = {place_of(m): state["results"][str(m["id"])] for m in state["mutants"]
-                if str(m["id"]) in state["results"] and state["digests"].get(m["file"]) == digests.get(m["file"])}
+                if str(m["id"]) in state["results"] and before.get(m["file"]) == digests.get(m["file"])}
         files, found = mutants.all_mutants(ROOT)
         results = {str(m["id"]): kept[place_of(m)] for m in found if place_of(m) in kept}
         state = {"digests": digests, "files": files, "mutants": found, "results": results}

@@ -47,8 +47,8 @@ struct AcousticFrame {
 // saturated receiver piles up (core/imaging/saturation.h), are censored.
 std::vector<RecordedPower> RecordedPowers(const PolarImage& image, const DisplayParameters<double>& display);
 
-// Pixels of recorded speckle that share their value. `complete`: parameters with the actual beam and pulse
-// (sim::WithResponse).
+// Returns the size of a cell of speckle, at least one pixel. `complete`: parameters with the actual beam and
+// pulse (sim::WithResponse).
 FrameModel::SpeckleCell SpeckleCellOf(const PolarAxes& axes, const ParameterSet& complete);
 
 class AcousticFrameModel final : public FrameModel {

@@ -65,7 +65,7 @@ struct NoiseFitOptions {
   std::function<void(const std::string& line)> progress;
 };
 
-// Whether the fit frees soft_db: in the law kSoftLog, unless the caller gives the display.
+// Returns whether the fit changes soft_db: only in the law kSoftLog, and only if the caller gives no display.
 inline bool FitsSoftDb(const DisplayParameters<double>& display, const NoiseFitOptions& options) {
   return display.law == DisplayLaw::kSoftLog && !options.display;
 }

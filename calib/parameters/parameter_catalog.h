@@ -73,7 +73,7 @@ struct CatalogEntry {
   int object = -1;    // index into the names of the objects (kObject) or the forms of the outlines (kOutline)
   double lower = 0.0;
   double upper = 0.0;
-  // Limits of the value in params.json, whose reader refuses others.
+  // Limits of params.json. Its reader refuses values beyond them.
   double file_lower = -std::numeric_limits<double>::infinity();
   double file_upper = std::numeric_limits<double>::infinity();
   // Trust region of one solve, in which the model is nearly linear. A value that ends at it is not at a

@@ -16,7 +16,7 @@
 
 namespace sonarcal::calib {
 
-// A second pose or place agrees as well as the first if it fits worse by at most this.
+// Another pose or place counts as equally good if its fit is worse by at most this.
 inline constexpr double kMaxWorseNats = 4.0;  // odds of 55 to 1
 
 struct OtherPose {

@@ -60,7 +60,7 @@ std::vector<std::string> ContradictedOrigins(DeclaredValues values) {
       trusted = origin;
     }
     if (origins.empty() || least > kDeviations) return origins;
-    if (origins.size() == 1) return {};  // trusted, and no other is left
+    if (origins.size() == 1) return {};  // it is trusted, and no other is left
     values = Without(values, trusted);
   }
 }

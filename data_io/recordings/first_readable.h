@@ -14,9 +14,10 @@
 
 namespace sonarcal::data_io {
 
-// Calls `describe(index, info)` until it does not throw DataError, and returns that index. A call that throws
-// leaves no trace in `info`. Adds a note if the frame is not the first; it names frames by `word`, "ping".
-// Throws DataError with the error of the first frame if none of the first 100 can be read.
+// Calls `describe(index, info)` for one frame after the other until it does not throw DataError. Returns the
+// index of that frame. A call that throws does not change `info`. Adds a note if the frame is not the first.
+// `word` names a frame, such as "ping". Throws DataError with the error of the first frame if none of the
+// first 100 can be read.
 template <typename Describe>
 int DescribeFromFirstReadable(int frame_count, std::string_view word, RecordingInfo& info,
                               const Describe& describe) {

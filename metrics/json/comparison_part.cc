@@ -90,7 +90,7 @@ void Text(Archive& archive, std::string& text) {
   archive.Array(text.data(), text.size());
 }
 
-// Least bytes of a list or a text in the file: its count.
+// Smallest size of a list or a text in the file: that of its count.
 constexpr std::size_t kCountBytes = sizeof(std::uint64_t);
 
 template <typename Archive, typename T, typename Each>

@@ -114,7 +114,7 @@ inline void CheckLooksToDraw(double looks) {
 inline std::pair<int, double> LooksAsWeights(double looks) {
   const int whole = static_cast<int>(std::floor(looks));
   const double n = whole;
-  // (1 - L) w^2 + 2 n w - c = 0, solved without a difference that loses digits.
+  // Solves (1 - L) w^2 + 2 n w - c = 0 without a difference of nearly equal numbers.
   const double c = looks * n - n * n;
   return {whole, c / (n + std::sqrt(n * n + (1.0 - looks) * c))};
 }

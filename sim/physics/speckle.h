@@ -43,8 +43,8 @@ inline void CheckIsOfLooksAlone(SpeckleLaw law) {
   SONARCAL_CHECK(law != SpeckleLaw::kKDiffuse, "a law of looks and diffuse share: use KDiffuseLaw");
 }
 
-// Weight w of the second look, the first of which weighs 1, in the closed form of kWeighted. Absent for other
-// laws and for 2 looks or more; also if both weigh nearly the same, because the law is then Gamma.
+// Returns the weight w of the second look in the closed form of kWeighted. The first look has the weight 1.
+// Absent for other laws, for 2 looks or more, and for nearly equal weights: then the law is Gamma.
 inline std::optional<double> SecondWeight(SpeckleLaw law, double looks) {
   if (law != SpeckleLaw::kWeighted || looks >= 2.0) return std::nullopt;
   const double w = LooksAsWeights(looks).second;

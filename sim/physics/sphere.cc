@@ -11,8 +11,8 @@
 namespace sonarcal::sim {
 namespace {
 
-// Spherical Bessel functions j_l(x), l = 0 .. last, by the recurrence downwards, which is stable. They are
-// scaled by the larger one of j_0 and j_1, because the other may be near a zero.
+// Spherical Bessel functions j_l(x), l = 0 .. last, by the recurrence downwards, which is stable. Their scale
+// follows from j_0 or j_1, whichever is larger: the other may be near a zero.
 std::vector<double> BesselJ(int last, double x) {
   constexpr double kLarge = 1e120;
   const int start = std::max(last, static_cast<int>(x)) + 30 + static_cast<int>(6.0 * std::cbrt(x));

@@ -222,7 +222,8 @@ void Mount(std::string_view bytes) {
   data_io::ReadMount(TheFolder().Write("mount.json", bytes));
 }
 
-// What follows the hash of a part of a comparison. The hash always agrees, so that damage reaches the parser.
+// The input follows the hash of a part of a comparison. The hash is that of the input, so that damage reaches
+// the parser.
 void ComparisonPartBody(std::string_view bytes) {
   static const std::string header = [] {
     const std::string part = metrics::ComparisonPartBytes({});

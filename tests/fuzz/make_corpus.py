@@ -519,7 +519,7 @@ distortion_coefficients: !!opencv-matrix
       w: 0.0
 """ for parent, child in (("ar3", "aris"), ("aris", "sonar")))
     put("frame_tree", "transforms.yaml", "setup:\n" + links)
-    put("comparison_part", "empty", bytes(308))  # a part without frames, as laid out by this version
+    put("comparison_part", "empty", bytes(308))  # a part without frames
 
 
 if __name__ == "__main__":

@@ -28,10 +28,11 @@ struct RayOptions {
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
     visit(
-        OptionInfo{.name = "sampling",
-                   .help = "Arrangement of the rays: a pinhole grid as in the paper, or equal angles within "
-                           "each beam",
-                   .by_default = "beams; a fit takes that of a recording that the paper's model made"},
+        OptionInfo{
+            .name = "sampling",
+            .help = "Arrangement of the rays: a pinhole grid as in the paper, or equal angles within "
+                    "each beam",
+            .by_default = "beams; in a fit to a recording made by the paper's model: that of the recording"},
         self.sampling);
     visit(OptionInfo{.name = "rays",
                      .help = "Columns x rows of rays over the field of view",
@@ -40,7 +41,8 @@ struct RayOptions {
     visit(OptionInfo{.name = "ray_weight",
                      .help = "Weight of a ray in the paper's model: equal, as in the paper, or by its solid "
                              "angle, for which both samplings give the same image",
-                     .by_default = "even; a fit takes that of a recording that the paper's model made"},
+                     .by_default =
+                         "even; in a fit to a recording made by the paper's model: that of the recording"},
           self.ray_weight);
     visit(
         OptionInfo{.name = "normals",

@@ -376,7 +376,7 @@ TEST_F(SmallTankFrames, AMirrorImageIsNamed) {
   EXPECT_NE(all.find("pose.2: its mirror image"), std::string::npos) << all;
 }
 
-// One frame of that box, with its pose free.
+// One frame of the box in open water. Its pose is free.
 class BoxBesideTheMiddle : public SmallTankFrames {
  protected:
   BoxBesideTheMiddle() {

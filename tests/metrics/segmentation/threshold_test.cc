@@ -92,7 +92,7 @@ TEST(OtsuTest, NothingIsAboveTheThresholdOfAConstant) {
   EXPECT_EQ(OtsuThreshold({5.0f, 5.0f}), 5.0);
 }
 
-// OpenCV's threshold of whole values of 0 to 255.
+// The threshold by OpenCV. `values` are whole numbers from 0 to 255.
 double OpenCvTriangle(const std::vector<float>& values) {
   cv::Mat1b image(1, static_cast<int>(values.size()));
   for (int i = 0; i < image.cols; ++i) image(0, i) = static_cast<std::uint8_t>(values[i]);

@@ -141,6 +141,8 @@ TEST(FineRowsTest, APatchIsSpreadOverSixtyFourPartsAtMost) {
 }
 
 // Half of the parts of a patch at an end lie outside. Reflected, all power stays within half the depth of it.
+// The far end must not be at twice the range of the near end. Otherwise a wrong sign at the near end moves a
+// part beyond the far end, and the reflection there brings it to the right place.
 TEST(FineRowsTest, PartsOutsideAreReflectedButAWholeEchoIsNot) {
   PolarAxes axes = Sonar().axes;
   axes.range_min_m = 1.5;

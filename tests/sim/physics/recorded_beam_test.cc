@@ -25,7 +25,7 @@ TEST(AzimuthTableDb, RatiosOfGreyBecomeLevels) {
   EXPECT_EQ(table[6], table[2]);
 }
 
-// The lobe at either end decides the level beside it where no other lobe reaches.
+// Beside the lobe at either end, the response has no level of its own, so the flank of that lobe gives it.
 TEST(AzimuthTableDb, LobesAtBothEndsHaveFlanksToo) {
   const RecordedBeamOptions options{.grey_per_db = 4.0, .peak_grey = 200.0, .main_lobe_beams = 1.0};
   const std::vector<double> table =

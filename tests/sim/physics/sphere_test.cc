@@ -43,9 +43,7 @@ double SampledTargetStrengthDb(const SphereInWater& sphere, const double (&band)
   return DbFromPower(power / count);
 }
 
-// The table does not state how its bands were sampled. The mean of 41 samples, both ends included, reproduces
-// all 20 levels to half a digit. This number was found by a search over 3 to 65 samples; the second best
-// misses a level by 0.19 dB.
+// Published levels in the five bands of kBands.
 struct TableRow {
   SphereInWater sphere;
   double level_db[5];
@@ -58,6 +56,9 @@ std::vector<TableRow> Table() {
           {InFreshWater(Steel(), 25.4), {-41.26, -42.47, -40.65, -41.13, -40.93}}};
 }
 
+// The table does not state how its bands were sampled. The mean of 41 samples, both ends included, reproduces
+// all 20 levels to half a digit. This number was found by a search over 3 to 65 samples; the second best
+// misses a level by 0.19 dB.
 TEST(Sphere, HasTheLevelsOfTheTableInFreshWater) {
   for (const TableRow& row : Table()) {
     for (int i = 0; i < 5; ++i) {
@@ -67,7 +68,7 @@ TEST(Sphere, HasTheLevelsOfTheTableInFreshWater) {
   }
 }
 
-// 41 samples are too coarse for narrow resonances.
+// 41 samples miss narrow resonances. The program takes the mean over the whole band.
 TEST(Sphere, HasMeansOverWholeBandsThatDifferFromTheTable) {
   double largest_db = 0.0;
   for (const TableRow& row : Table()) {
@@ -79,7 +80,7 @@ TEST(Sphere, HasMeansOverWholeBandsThatDifferFromTheTable) {
   EXPECT_NEAR(largest_db, 0.34, 0.01);
 }
 
-// Below the first resonance, where few frequencies give the mean.
+// The level is smooth below the first resonance, so both sums have the same limit and small errors.
 TEST(Sphere, AveragesASmoothLevelFromEndToEndOfItsBand) {
   const SphereInWater sphere = InFreshWater(Wc(), 20.0);
   EXPECT_NEAR(SphereTargetStrengthDb(sphere, 30e3, 50e3),
@@ -186,7 +187,7 @@ TEST(Sphere, HasAFrontFaceThatTheImpedancesDetermine) {
   EXPECT_NEAR(FirstInternalEchoM(InFreshWater(Wc(), 20.0)), 0.00428, 1e-5);
 }
 
-// Of the front face, one quantity at a time, and all together.
+// Standard error of the front face. Each quantity is changed alone, then all are changed together.
 TEST(Sphere, HasAStandardErrorOfTheChangesToEitherSide) {
   const SphereInWater sphere = InFreshWater(Steel(), 20.0);
   const auto moved_db = [&](double longitudinal, double transverse, double density, double water_m_per_s) {
@@ -199,7 +200,7 @@ TEST(Sphere, HasAStandardErrorOfTheChangesToEitherSide) {
   };
   const double variances[] = {
       0.5 * (std::pow(moved_db(0.3, 0, 0, 0), 2) + std::pow(moved_db(-0.3, 0, 0, 0), 2)),
-      0.0,  // waves along the surface do not matter
+      0.0,  // the transverse speed has no effect on the front face
       0.5 * (std::pow(moved_db(0, 0, 0.4, 0), 2) + std::pow(moved_db(0, 0, -0.4, 0), 2)),
       0.5 * (std::pow(moved_db(0, 0, 0, 700.0), 2) + std::pow(moved_db(0, 0, 0, -700.0), 2))};
   const auto sigma_db = [&](double longitudinal, double transverse, double density, double water_m_per_s) {
