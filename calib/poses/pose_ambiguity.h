@@ -13,11 +13,9 @@
 #include <vector>
 
 #include "calib/models/acoustic_frame_model.h"
+#include "calib/poses/equally_good.h"
 
 namespace sonarcal::calib {
-
-// Another pose or place counts as equally good if its fit is worse by at most this.
-inline constexpr double kMaxWorseNats = 4.0;  // odds of 55 to 1
 
 struct OtherPose {
   int frame = 0;                                // index among the model's frames

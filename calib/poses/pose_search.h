@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/poses/equally_good.h"
 #include "calib/poses/target_pose.h"
 #include "calib/shapes/mesh_symmetry.h"
 #include "core/types/mask.h"
@@ -75,7 +76,7 @@ struct PoseCandidate {
   std::vector<std::string> at_bounds = {};  // a sentence for each coordinate that ended at a bound
 
   // The image does not decide between this candidate and the best one.
-  bool ExplainsAsWell() const { return worse_by_sigmas < 2.0 || worse_by_nats < 4.0; }
+  bool ExplainsAsWell() const { return worse_by_sigmas < kMaxWorseSigmas || worse_by_nats < kMaxWorseNats; }
   Pose WorldFromSonar() const { return sonar_from_target.Inverse(); }  // with the mesh's frame as world
 };
 

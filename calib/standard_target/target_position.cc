@@ -10,7 +10,7 @@
 #include <numbers>
 #include <utility>
 
-#include "calib/poses/pose_ambiguity.h"
+#include "calib/poses/equally_good.h"
 #include "core/types/units.h"
 
 namespace sonarcal::calib {

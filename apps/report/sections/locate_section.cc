@@ -7,6 +7,7 @@
 
 #include "apps/report/html/html_text.h"
 #include "apps/report/sections/comparison_section.h"
+#include "calib/poses/equally_good.h"
 #include "core/types/units.h"
 
 namespace sonarcal::report {
@@ -64,13 +65,15 @@ void AddCandidates(HtmlReport& report, const calib::PoseSearchResult& search) {
                   {"Less likely by", "nats"},
                   {"Less likely by", "standard deviations"}},
       .rows = {},
-      .notes = {
-          "Range, azimuth and elevation are those of the centroid of the target's surface. Yaw and "
-          "pitch are those of its axis of revolution, or of its longest direction: yaw from the "
-          "right towards ahead, pitch up.",
-          "Difference: of the smoothed images, full scale 1. Less likely: ratio of the likelihoods "
-          "of the best pose and of this one, and its distance from 0 in standard deviations over "
-          "the image. Below 2 standard deviations or 4 nats the image does not decide between the two."}};
+      .notes = {"Range, azimuth and elevation are those of the centroid of the target's surface. Yaw and "
+                "pitch are those of its axis of revolution, or of its longest direction: yaw from the "
+                "right towards ahead, pitch up.",
+                fmt::format(
+                    "Difference: of the smoothed images, full scale 1. Less likely: ratio of the likelihoods "
+                    "of the best pose and of this one, and its distance from 0 in standard deviations over "
+                    "the image. Below {:g} standard deviations or {:g} nats the image does not decide "
+                    "between the two.",
+                    calib::kMaxWorseSigmas, calib::kMaxWorseNats)}};
   for (std::size_t i = 0; i < search.candidates.size(); ++i)
     table.rows.push_back({CellsOf(search, i), i == 0 ? RowStyle::kStrong : RowStyle::kPlain});
   report.Add(table);
