@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/workflow/compare.h"
+#include "core/math/bisection.h"
 #include "core/types/units.h"
 #include "sim/physics/speckle.h"
 
@@ -19,13 +20,8 @@ constexpr std::uint64_t kSeed = 20240107;
 // Returns the level in dB whose mean display is `value`. The mean display rises with the level.
 double LevelShownAs(const sim::MeanDisplayTable& mean_display, const DisplayParameters<double>& display,
                     double value) {
-  double low_db = display.db_max - 200.0;
-  double high_db = display.db_max + 60.0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle_db = 0.5 * (low_db + high_db);
-    (mean_display(PowerFromDb(middle_db)) < value ? low_db : high_db) = middle_db;
-  }
-  return high_db;
+  return Bisection(display.db_max - 200.0, display.db_max + 60.0,
+                   [&](double level_db) { return mean_display(PowerFromDb(level_db)) < value; });
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "calib/mirror_start.h"
 #include "calib/models/acoustic_frame_model.h"
 #include "calib/problem_builder.h"
+#include "core/math/bisection.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/acoustic/acoustic_image.h"
@@ -73,13 +74,8 @@ std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& 
 
 // Median of speckle power divided by its mean: the median of a Gamma law of mean 1.
 double SpeckleMedian(double looks) {
-  double low = 0.0;
-  double high = 1.0;  // the median lies below the mean
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (Eigen::numext::igamma(looks, looks * middle) < 0.5 ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  const auto is_below = [&](double ratio) { return Eigen::numext::igamma(looks, looks * ratio) < 0.5; };
+  return Bisection(0.0, 1.0, is_below);  // the median lies below the mean
 }
 
 // Medians of a step's law, as grey values per frame.

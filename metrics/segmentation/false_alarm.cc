@@ -5,6 +5,7 @@
 #include <numbers>
 #include <unsupported/Eigen/SpecialFunctions>
 
+#include "core/math/bisection.h"
 #include "core/types/error.h"
 
 namespace sonarcal::metrics {
@@ -58,14 +59,11 @@ double DecadesTable::operator()(double ratio) const {
 double GammaQuantile(double looks, double chance) {
   SONARCAL_CHECK(chance > 0.0 && chance < 1.0, "quantile of chance {}", chance);
   if (looks == 1.0) return -std::log1p(-chance);
-  double low = -60.0;
-  double high = 10.0;  // limits of the logarithm
-  constexpr int kHalvings = 60;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (Eigen::numext::igamma(looks, looks * std::exp(middle)) < chance ? low : high) = middle;
-  }
-  return std::exp(0.5 * (low + high));
+  constexpr double kLowestLog = -60.0;
+  constexpr double kHighestLog = 10.0;
+  return std::exp(Bisection(kLowestLog, kHighestLog, [&](double log_ratio) {
+    return Eigen::numext::igamma(looks, looks * std::exp(log_ratio)) < chance;
+  }));
 }
 
 OrderedStatisticLaw::OrderedStatisticLaw(double cell_looks, double looks, int count, int rank)

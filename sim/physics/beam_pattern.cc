@@ -1,5 +1,6 @@
 #include "sim/physics/beam_pattern.h"
 
+#include "core/math/bisection.h"
 #include "core/types/units.h"
 
 namespace sonarcal::sim {
@@ -19,11 +20,7 @@ double ApertureReach(double level, double taper) {
     low = high;
     high *= 2.0;
   }
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (ApertureEnvelope(middle, taper) > level ? low : high) = middle;
-  }
-  return high;
+  return Bisection(low, high, [&](double v) { return ApertureEnvelope(v, taper) > level; });
 }
 
 // Spacing of the beams near one beam.

@@ -132,7 +132,7 @@ KDiffuseLaw::KDiffuseLaw(double looks, double diffuse_share) {
 
 KDiffuseLaw::Value KDiffuseLaw::At(double ratio) const {
   if (!(ratio > 0.0)) return {};
-  if (!(ratio < 1e300)) return {.cdf = 1.0, .survival = 0.0};
+  if (std::isinf(ratio)) return {.cdf = 1.0, .survival = 0.0};
   const Eigen::ArrayXd beyond = (-ratio * inverse_mean_).exp();
   const Eigen::Vector<double, kRows> sum = coefficients_ * beyond.matrix();
   Value value{.cdf = 1.0 - sum[kWeight],

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/bisection.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 
@@ -43,27 +44,19 @@ LineArray MakeLineArray(double half_power_width_rad, double taper) {
     throw DataError("azimuth beam width {} degrees: an array is made for 0.05 .. 60", width_deg);
   }
   if (!(taper >= 0.0 && taper <= 1.0)) throw DataError("beam.azimuth_taper is {}, expected 0 .. 1", taper);
-  // Bisection for the length. For every taper, the main lobe lies between those of half and of twice the
-  // wavelength divided by the width.
+  // For every taper, the main lobe lies between those of half and of twice the wavelength divided by the width.
   const double sine = std::sin(0.5 * half_power_width_rad);
-  double shortest = 0.2 / sine;
-  double longest = 1.0 / sine;
-  const int elements = static_cast<int>(std::ceil(2.0 * longest));
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (shortest + longest);
-    (ArrayOfLength(middle, elements, taper).Power(sine) > 0.5 ? shortest : longest) = middle;
-  }
+  const auto length_with = [&](int elements, double shortest, double longest) {
+    return Bisection(shortest, longest,
+                     [&](double length) { return ArrayOfLength(length, elements, taper).Power(sine) > 0.5; });
+  };
+  const auto elements_within = [](double length) { return static_cast<int>(std::ceil(2.0 * length)); };
+  const double length = length_with(elements_within(1.0 / sine), 0.2 / sine, 1.0 / sine);
   // Number of elements for a spacing of half a wavelength. Fewer elements change the width by O(1 / n^2), so
   // the length is then refined by bisection of the ratio.
-  const int fewer = std::max(static_cast<int>(std::ceil(2.0 * longest)), 4);
-  double length = longest;
-  double low = 0.9 * length;
-  double high = 1.1 * length;
-  for (int i = 0; i < 60; ++i) {
-    length = 0.5 * (low + high);
-    (ArrayOfLength(length, fewer, taper).Power(sine) > 0.5 ? low : high) = length;
-  }
-  return ArrayOfLength(length, fewer, taper);
+  constexpr int kFewest = 4;
+  const int elements = std::max(elements_within(length), kFewest);
+  return ArrayOfLength(length_with(elements, 0.9 * length, 1.1 * length), elements, taper);
 }
 
 Beamformer::Beamformer(const LineArray& array, const PolarAxes& axes)

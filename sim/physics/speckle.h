@@ -43,19 +43,23 @@ inline void CheckIsOfLooksAlone(SpeckleLaw law) {
   SONARCAL_CHECK(law != SpeckleLaw::kKDiffuse, "a law of looks and diffuse share: use KDiffuseLaw");
 }
 
+// From here on a ratio counts as infinite, so that its products with the looks stay finite.
+inline constexpr double kEndOfRatios = 1e300;
+
 // Returns the weight w of the second look in the closed form of kWeighted. The first look has the weight 1.
 // Absent for other laws, for 2 looks or more, and for nearly equal weights: then the law is Gamma.
 inline std::optional<double> SecondWeight(SpeckleLaw law, double looks) {
   if (law != SpeckleLaw::kWeighted || looks >= 2.0) return std::nullopt;
+  constexpr double kNearlyOne = 1.0 - 1e-6;
   const double w = LooksAsWeights(looks).second;
-  return 1.0 - w > 1e-6 ? std::optional(w) : std::nullopt;
+  return w < kNearlyOne ? std::optional(w) : std::nullopt;
 }
 
 // P(x <= ratio); 0 for ratio <= 0. looks > 0 (kWeighted: >= 1; kK: >= kLeastTexturedLooks).
 inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   CheckIsOfLooksAlone(law);
   if (!(ratio > 0.0)) return 0.0;
-  if (!(ratio < 1e300)) return 1.0;
+  if (!(ratio < kEndOfRatios)) return 1.0;
   if (looks == 1.0) return -std::expm1(-ratio);
   if (law == SpeckleLaw::kK && looks < 1.0) return std::clamp(1.0 - KLawSurvival(looks, ratio), 0.0, 1.0);
   if (const std::optional<double> w = SecondWeight(law, looks)) {
@@ -69,7 +73,7 @@ inline double SpeckleCdf(double looks, double ratio, SpeckleLaw law = SpeckleLaw
 inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   CheckIsOfLooksAlone(law);
   if (!(ratio > 0.0)) return 1.0;
-  if (!(ratio < 1e300)) return 0.0;
+  if (!(ratio < kEndOfRatios)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
   if (law == SpeckleLaw::kK && looks < 1.0) return KLawSurvival(looks, ratio);
   if (const std::optional<double> w = SecondWeight(law, looks)) {
@@ -82,7 +86,7 @@ inline double SpeckleSurvival(double looks, double ratio, SpeckleLaw law = Speck
 // Density of x: the derivative of SpeckleCdf. 0 for ratio <= 0.
 inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = SpeckleLaw::kGamma) {
   CheckIsOfLooksAlone(law);
-  if (!(ratio > 0.0) || !(ratio < 1e300)) return 0.0;
+  if (!(ratio > 0.0) || !(ratio < kEndOfRatios)) return 0.0;
   if (looks == 1.0) return std::exp(-ratio);
   if (law == SpeckleLaw::kK && looks < 1.0) return KLawDensity(looks, ratio);
   if (const std::optional<double> w = SecondWeight(law, looks)) {

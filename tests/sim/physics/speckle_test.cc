@@ -33,6 +33,25 @@ TEST(SpeckleTest, CumulativeFunctionsHaveTheirClosedForms) {
   EXPECT_EQ(SpeckleCdf(1.4, -1.0), 0.0);
 }
 
+TEST(SpeckleTest, TwoLooksHaveTheirClosedFormsUnderEveryLaw) {
+  for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted, SpeckleLaw::kK}) {
+    for (const double x : {1e-3, 0.1, 1.0, 3.0, 20.0}) {
+      EXPECT_NEAR(SpeckleSurvival(2.0, x, law), std::exp(-2.0 * x) * (1.0 + 2.0 * x), 1e-12);
+      EXPECT_NEAR(SpeckleDensity(2.0, x, law), 4.0 * x * std::exp(-2.0 * x), 1e-12);
+    }
+  }
+}
+
+TEST(SpeckleTest, TheKLawIsAGammaLawFromOneLookOn) {
+  for (const double looks : {1.0, 1.5, 1.9}) {
+    for (const double x : {0.1, 1.0, 3.0}) {
+      EXPECT_EQ(SpeckleCdf(looks, x, SpeckleLaw::kK), SpeckleCdf(looks, x));
+      EXPECT_EQ(SpeckleSurvival(looks, x, SpeckleLaw::kK), SpeckleSurvival(looks, x));
+      EXPECT_EQ(SpeckleDensity(looks, x, SpeckleLaw::kK), SpeckleDensity(looks, x));
+    }
+  }
+}
+
 TEST(SpeckleTest, InfiniteAndNegativeRatiosAreTheEnds) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const SpeckleLaw law : {SpeckleLaw::kGamma, SpeckleLaw::kWeighted, SpeckleLaw::kK}) {
@@ -303,6 +322,9 @@ TEST(SpeckleTest, TableShowsInfinitePowerAsFullScale) {
     const MeanDisplayTable table(display, 1.4);
     EXPECT_EQ(table(std::numeric_limits<double>::infinity()), table(1e300));
     EXPECT_NEAR(table(1e300), 1.0, 1e-4);
+    // From the last entries of the table to beyond them.
+    for (double above_db = 49.5; above_db < 50.5; above_db += 0.03)
+      EXPECT_NEAR(table(PowerFromDb(display.db_max + above_db)), 1.0, 1e-4);
   }
 }
 
