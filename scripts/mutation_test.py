@@ -211,7 +211,8 @@ def main():
         chosen = chosen[:options.sample]
     if options.again:
         kept = ("killed", "timeout")
-        state["results"] = {key: value for key, value in state["results"].items() if value in kept}
+        repeated = {str(m["id"]) for m in chosen if state["results"].get(str(m["id"])) not in kept}
+        state["results"] = {key: value for key, value in state["results"].items() if key not in repeated}
     run(work, state, chosen, cases_of(work, programs), options.jobs)
     report(state, chosen)
 

@@ -3,29 +3,29 @@
 #include <algorithm>
 #include <unsupported/Eigen/SpecialFunctions>
 
+#include "sim/physics/speckle.h"
+
 namespace sonarcal::calib {
 namespace {
 
-using Eigen::numext::igamma;
-using Eigen::numext::igammac;
-using Eigen::numext::lgamma;
+using sim::SpeckleCdf;
+using sim::SpeckleDensity;
+using sim::SpeckleSurvival;
 
 constexpr double kTiny = 1e-290;
 
-// Density of a Gamma law with mean 1 and L looks.
-double Density(double x, double looks) {
-  if (looks == 1.0) return std::exp(-x);
-  return std::exp(looks * std::log(looks) - lgamma(looks) + (looks - 1.0) * std::log(x) - looks * x);
+double Ratio(double power, double mean) {
+  return std::min(std::max(power / mean, kMinPowerRatio), kMaxPowerRatio);
 }
 
 // Near x = 1 the root loses its digits: x - 1 - ln x = e^2 / 2 - e^3 / 3 + ..., e = x - 1.
 LikelihoodTerm Interior(double x, double looks) {
+  constexpr double kNear = 1e-4;
   const double e = x - 1.0;
-  const double root =
-      std::abs(e) < 1e-4 ? std::abs(e) * std::sqrt(1.0 - 2.0 / 3.0 * e) : std::sqrt(2.0 * (e - std::log(x)));
-  const double residual = std::sqrt(looks) * (e < 0.0 ? root : -root);
-  const double slope = std::abs(e) < 1e-4 ? std::sqrt(looks) * (1.0 + e / 3.0) : looks * (-e) / residual;
-  return {residual, slope};
+  if (std::abs(e) < kNear)
+    return {-std::sqrt(looks) * e * std::sqrt(1.0 - 2.0 / 3.0 * e), std::sqrt(looks) * (1.0 + e / 3.0)};
+  const double residual = -std::copysign(std::sqrt(2.0 * looks * (e - std::log(x))), e);
+  return {residual, -looks * e / residual};
 }
 
 // Term of a probability P = 1 - Q with d ln P / d eta = slope_of_log. Uses Q if it is the smaller one, so
@@ -33,34 +33,33 @@ LikelihoodTerm Interior(double x, double looks) {
 LikelihoodTerm Censored(double probability, double rest, double slope_of_log) {
   const double log_probability = rest < 0.5 ? std::log1p(-rest) : std::log(probability);
   const double residual = std::sqrt(-2.0 * log_probability);
-  // A certain pixel has no information. Avoids 0 / 0.
-  if (residual < 1e-150) return {};
+  if (residual == 0.0) return {};  // a certain pixel has no information
   return {residual, -slope_of_log / residual};
 }
 
 }  // namespace
 
 LikelihoodTerm PowerLikelihood(const RecordedPower& recorded, double mean, double looks) {
-  const double x = std::min(std::max(recorded.power / mean, kMinPowerRatio), kMaxPowerRatio);
+  const double x = Ratio(recorded.power, mean);
   switch (recorded.censoring) {
     case Censoring::kAtMost: {
       // A recorded power of 0 is equally unlikely for every mean.
       if (recorded.power == 0.0) return {std::sqrt(-2.0 * std::log(kTiny)), 0.0};
       // For tiny x, F(x) -> (L x)^L / Gamma(L + 1) and x f / F -> L.
-      const double below = looks == 1.0 ? -std::expm1(-x) : igamma(looks, looks * x);
+      const double below = SpeckleCdf(looks, x);
       if (below < kTiny) return Censored(kTiny, 1.0, -looks);
-      const double above = looks == 1.0 ? std::exp(-x) : igammac(looks, looks * x);
-      return Censored(below, above, -x * Density(x, looks) / below);
+      const double above = SpeckleSurvival(looks, x);
+      return Censored(below, above, -x * SpeckleDensity(looks, x) / below);
     }
     case Censoring::kAtLeast: {
       // For large x, 1 - F -> exp(-L x) and x f / (1 - F) -> L x.
-      const double above = looks == 1.0 ? std::exp(-x) : igammac(looks, looks * x);
+      const double above = SpeckleSurvival(looks, x);
       if (above < kTiny) {
         const double residual = std::sqrt(2.0 * looks * x);
         return {residual, -looks * x / residual};
       }
-      const double below = looks == 1.0 ? -std::expm1(-x) : igamma(looks, looks * x);
-      return Censored(above, below, x * Density(x, looks) / above);
+      const double below = SpeckleCdf(looks, x);
+      return Censored(above, below, x * SpeckleDensity(looks, x) / above);
     }
     case Censoring::kNone:
       break;
@@ -69,29 +68,29 @@ LikelihoodTerm PowerLikelihood(const RecordedPower& recorded, double mean, doubl
 }
 
 double ExpectedInformation(double lowest, double highest, double mean, double looks) {
-  const double a = lowest / mean;
-  const double b = highest / mean;
+  const double a = Ratio(lowest, mean);
+  const double b = Ratio(highest, mean);
   // Integral of L^2 (1 - x)^2 f(x) below x, by the moments of the Gamma law.
   const auto interior_below = [&](double x) {
+    using Eigen::numext::igamma;
     if (looks == 1.0) return 1.0 - (x * x + 1.0) * std::exp(-x);
     const double z = looks * x;
     return looks * looks *
            (igamma(looks, z) - 2.0 * igamma(looks + 1.0, z) + (1.0 + 1.0 / looks) * igamma(looks + 2.0, z));
   };
+  // A residual r is left with a probability of at most exp(-r^2 / 2).
+  constexpr double kNeverReached = 9.0;
+  const double bottom = -Interior(a, looks).residual;
+  const double top = -Interior(b, looks).residual;
+  if (bottom > kNeverReached) return 0.0;  // all values are clipped
   double information = looks;
-  // The probability beyond x is at most exp(-L (x - 1 - ln x)).
-  const auto is_reached = [looks](double x) { return looks * (x - 1.0 - std::log(x)) < 40.0; };
-  // All values are clipped.
-  if ((a > 1.0 && !is_reached(a)) || !(b > 0.0)) return 0.0;
-  if (b < 1.0 || is_reached(b)) {
-    const double above = looks == 1.0 ? std::exp(-b) : igammac(looks, looks * b);
-    information = interior_below(b);
-    if (above > 0.0) information += std::pow(b * Density(b, looks), 2) / above;
+  if (top < kNeverReached) {
+    information = interior_below(b) + std::pow(b * SpeckleDensity(looks, b), 2) / SpeckleSurvival(looks, b);
   }
   // Clipping at the bottom changes the information of a single look by about a^2 / 2.
-  if (a > 1.0 || (a > 1e-4 && is_reached(a))) {
-    const double below = looks == 1.0 ? -std::expm1(-a) : igamma(looks, looks * a);
-    information += -interior_below(a) + std::pow(a * Density(a, looks), 2) / below;
+  constexpr double kChangesNothing = 1e-4;
+  if (bottom > -kNeverReached && a > kChangesNothing) {
+    information += -interior_below(a) + std::pow(a * SpeckleDensity(looks, a), 2) / SpeckleCdf(looks, a);
   }
   return std::max(information, 0.0);
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
 #include "calib/mirror_start.h"
@@ -18,6 +17,7 @@
 #include "sim/acoustic/acoustic_image.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/display.h"
+#include "sim/physics/speckle.h"
 
 namespace sonarcal::calib {
 namespace {
@@ -74,7 +74,7 @@ std::vector<std::vector<double>> GreyOf(const std::vector<std::vector<double>>& 
 
 // Median of speckle power divided by its mean: the median of a Gamma law of mean 1.
 double SpeckleMedian(double looks) {
-  const auto is_below = [&](double ratio) { return Eigen::numext::igamma(looks, looks * ratio) < 0.5; };
+  const auto is_below = [&](double ratio) { return sim::SpeckleCdf(looks, ratio) < 0.5; };
   return Bisection(0.0, 1.0, is_below);  // the median lies below the mean
 }
 

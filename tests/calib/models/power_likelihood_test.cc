@@ -128,6 +128,7 @@ TEST_P(PowerLikelihoodTest, HasItsLimitsAtTheEndsOfTheDomain) {
     EXPECT_EQ(ExpectedInformation(0.0, kEnd, mean, looks), looks);
   }
   EXPECT_NEAR(ExpectedInformation(1e300, kEnd, 1.0, looks), 0.0, 1e-12) << "all clipped at the bottom";
+  EXPECT_EQ(ExpectedInformation(1.0, 2.0, kLeast, looks), 0.0) << "the ratio to the mean has no end";
   EXPECT_NEAR(ExpectedInformation(0.0, 1e-300, 1.0, looks), 0.0, 1e-12) << "all clipped at the top";
 }
 
