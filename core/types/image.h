@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/types/error.h"
@@ -41,8 +42,10 @@ class Grid {
     return {&values_[static_cast<std::size_t>(row) * cols_], std::size_t(cols_)};
   }
 
-  std::span<T> values() { return values_; }
-  std::span<const T> values() const { return values_; }
+  std::span<T> values() & { return values_; }
+  std::span<const T> values() const& { return values_; }
+  // Of a temporary: its values outlive it.
+  std::vector<T> values() && { return std::move(values_); }
 
   bool operator==(const Grid&) const = default;
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <stdexcept>
 #include <utility>
@@ -68,6 +69,21 @@ TEST(KDiffuseLawTest, IsTheExpectationOverTextureByAnotherQuadrature) {
       EXPECT_NEAR(at.cdf, slow.Expected([x](double m) { return -std::expm1(-x / m); }), 1e-8) << x;
       EXPECT_NEAR(at.density, slow.Expected([x](double m) { return std::exp(-x / m) / m; }), 1e-7) << x;
     }
+  }
+}
+
+TEST(KDiffuseLawTest, HasItsLimitsAtTheEndsOfRatios) {
+  const KDiffuseLaw law(0.4, 0.5);
+  for (const double least : {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_EQ(law.At(least).cdf, 0.0);
+    EXPECT_EQ(law.At(least).survival, 1.0);
+    EXPECT_EQ(law.At(least).density, 0.0);
+  }
+  for (const double largest :
+       {1e300, std::numeric_limits<double>::max(), std::numeric_limits<double>::infinity()}) {
+    EXPECT_EQ(law.At(largest).cdf, 1.0);
+    EXPECT_EQ(law.At(largest).survival, 0.0);
+    EXPECT_EQ(law.At(largest).density, 0.0);
   }
 }
 
