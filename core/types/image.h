@@ -44,7 +44,7 @@ class Grid {
 
   std::span<T> values() & { return values_; }
   std::span<const T> values() const& { return values_; }
-  // Of a temporary: its values outlive it.
+  // Values of a temporary, which outlive it.
   std::vector<T> values() && { return std::move(values_); }
 
   bool operator==(const Grid&) const = default;

@@ -44,7 +44,8 @@ LineArray MakeLineArray(double half_power_width_rad, double taper) {
     throw DataError("azimuth beam width {} degrees: an array is made for 0.05 .. 60", width_deg);
   }
   if (!(taper >= 0.0 && taper <= 1.0)) throw DataError("beam.azimuth_taper is {}, expected 0 .. 1", taper);
-  // For every taper, the main lobe lies between those of half and of twice the wavelength divided by the width.
+  // For every taper, the main lobe lies between those of half and of twice the wavelength divided by the
+  // width.
   const double sine = std::sin(0.5 * half_power_width_rad);
   const auto length_with = [&](int elements, double shortest, double longest) {
     return Bisection(shortest, longest,
@@ -54,8 +55,8 @@ LineArray MakeLineArray(double half_power_width_rad, double taper) {
   const double length = length_with(elements_within(1.0 / sine), 0.2 / sine, 1.0 / sine);
   // Number of elements for a spacing of half a wavelength. Fewer elements change the width by O(1 / n^2), so
   // the length is then refined by bisection of the ratio.
-  constexpr int kFewest = 4;
-  const int elements = std::max(elements_within(length), kFewest);
+  constexpr int kMinElements = 4;
+  const int elements = std::max(elements_within(length), kMinElements);
   return ArrayOfLength(length_with(elements, 0.9 * length, 1.1 * length), elements, taper);
 }
 
