@@ -78,7 +78,7 @@ double ExpectedInformation(double lowest, double highest, double mean, double lo
     return looks * looks *
            (igamma(looks, z) - 2.0 * igamma(looks + 1.0, z) + (1.0 + 1.0 / looks) * igamma(looks + 2.0, z));
   };
-  // A residual r is left with a probability of at most exp(-r^2 / 2).
+  // The probability of a value farther from the mean than one of residual r is at most exp(-r^2 / 2).
   constexpr double kNeverReached = 9.0;
   const double bottom = -Interior(a, looks).residual;
   const double top = -Interior(b, looks).residual;

@@ -59,9 +59,9 @@ double DecadesTable::operator()(double ratio) const {
 double GammaQuantile(double looks, double chance) {
   SONARCAL_CHECK(chance > 0.0 && chance < 1.0, "quantile of chance {}", chance);
   if (looks == 1.0) return -std::log1p(-chance);
-  constexpr double kLowestLog = -60.0;
-  constexpr double kHighestLog = 10.0;
-  return std::exp(Bisection(kLowestLog, kHighestLog, [&](double log_ratio) {
+  constexpr double kMinLog = -60.0;
+  constexpr double kMaxLog = 10.0;
+  return std::exp(Bisection(kMinLog, kMaxLog, [&](double log_ratio) {
     return Eigen::numext::igamma(looks, looks * std::exp(log_ratio)) < chance;
   }));
 }

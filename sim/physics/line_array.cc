@@ -54,7 +54,7 @@ LineArray MakeLineArray(double half_power_width_rad, double taper) {
   const auto elements_within = [](double length) { return static_cast<int>(std::ceil(2.0 * length)); };
   const double length = length_with(elements_within(1.0 / sine), 0.2 / sine, 1.0 / sine);
   // Number of elements for a spacing of half a wavelength. Fewer elements change the width by O(1 / n^2), so
-  // the length is then refined by bisection of the ratio.
+  // the length is found again near the first one.
   constexpr int kMinElements = 4;
   const int elements = std::max(elements_within(length), kMinElements);
   return ArrayOfLength(length_with(elements, 0.9 * length, 1.1 * length), elements, taper);
