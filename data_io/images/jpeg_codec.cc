@@ -70,6 +70,8 @@ bool IsJpeg(std::string_view bytes) {
 }
 
 ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name) {
+  // OpenCV would decode other formats, which nothing has checked.
+  if (!IsJpeg(bytes)) throw DataError("{}: not a JPEG, expected one", name);
   const ByteReader reader(std::as_bytes(std::span(bytes)), name);
   const std::uint64_t at = FindSegment(reader, IsFrame, "frame");
   const ImageHeader header{.rows = U16(reader, at + 5),

@@ -13,8 +13,8 @@ namespace sonarcal::data_io {
 
 bool IsJpeg(std::string_view bytes);
 
-// Header from the start-of-frame segment. Throws DataError, naming `name`, if there is none, or if it has no
-// pixels or more than kMaxImagePixels.
+// Header from the start-of-frame segment. Throws DataError, naming `name`, if the bytes are no JPEG, if there
+// is no such segment, or if it has no pixels or more than kMaxImagePixels.
 ImageHeader ReadJpegHeader(std::string_view bytes, const std::string& name);
 
 // Luminance of a colour picture, in the orientation of the pixels. Throws DataError, naming `name`, if the

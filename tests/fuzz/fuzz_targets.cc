@@ -7,12 +7,14 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/types/error.h"
 #include "data_io/bag_trajectory.h"
 #include "data_io/files/hash.h"
 #include "data_io/files/pickle.h"
 #include "data_io/images/image_io.h"
+#include "data_io/images/jpeg_codec.h"
 #include "data_io/mcap/mcap_file.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/camera_io.h"
@@ -106,13 +108,30 @@ void Picture(std::string_view bytes) {
   }
 }
 
+// A damaged header may announce a picture that takes seconds. Such a picture is not decoded.
+void Jpeg(std::string_view bytes) {
+  constexpr std::int64_t kMaxPixels = 1 << 16;
+  if (data_io::ReadJpegHeader(bytes, "picture").pixels() > kMaxPixels) return;
+  data_io::DecodeJpegGrey(bytes, "picture");
+  data_io::DecodeJpegRgb(bytes, "picture");
+}
+
 constexpr const char* kFanGeometry =
     R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4], "fan": {"beams": 6, "range_bins": 9}})";
 
-// A picture in which a fan is looked for.
+// A picture in which a fan is looked for: its rows, its columns and its grey values, one byte each. A value
+// that is missing is 0. The files of pictures themselves are the inputs of Picture and Jpeg.
 void FanPicture(std::string_view bytes) {
+  constexpr int kMaxSide = 48;  // a search of a larger picture takes longer
   static const fs::path geometry = TheFolder().Write("picture.geometry.json", kFanGeometry);
-  ReadSomeFrames(*data_io::OpenRecording(TheFolder().Write("picture", bytes)));
+  if (bytes.size() < 2) throw DataError("{} bytes, expected the size of a picture", bytes.size());
+  const auto side = [](char byte) { return 1 + static_cast<unsigned char>(byte) % kMaxSide; };
+  Grid<std::uint8_t> grey(side(bytes[0]), side(bytes[1]));
+  bytes.substr(2, grey.size()).copy(reinterpret_cast<char*>(grey.values().data()), grey.size());
+  const std::vector<std::uint8_t> png = data_io::EncodePng(grey);
+  const fs::path picture =
+      TheFolder().Write("picture", std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+  ReadSomeFrames(*data_io::OpenRecording(picture));
 }
 
 // What is said of it, beside a picture of a fan of 60 degrees.
@@ -242,6 +261,7 @@ constexpr NamedParser kParsers[] = {
     {"recording_folder", RecordingFolder},
     {"didson_settings", DidsonSettings},
     {"picture", Picture},
+    {"jpeg", Jpeg},
     {"fan_picture", FanPicture},
     {"picture_geometry", PictureGeometry},
     {"gltf", Gltf},

@@ -404,15 +404,16 @@ def main():
     put("picture", "grey8.tiff", tiff(3, 2, 8, False))
     put("picture", "float.tiff", tiff(3, 2, 32, True))
 
-    fan = bytes(200 if abs(x - 35) * 7 < (60 - y) * 4 and (x - 35) ** 2 + (60 - y) ** 2 < 3000 else 0
-                for y in range(60) for x in range(70))
-    put("fan_picture", "fan.png", png(60, 70, fan))
-    text = list(fan)
-    for row in (8, 20, 32):
-        for col in (3, 5, 64, 66):
-            text[70 * row + col] = 200
-    put("fan_picture", "fan_with_text.png", png(60, 70, type(fan)(text)))
-    put("fan_picture", "fan.jpg", JPEG)
+    rows, cols = 30, 36
+    fan = bytearray(200 if abs(x - 18) * 7 < (rows - y) * 4 and (x - 18) ** 2 + (rows - y) ** 2 < 750 else 0
+                    for y in range(rows) for x in range(cols))
+    size = bytes([rows - 1, cols - 1])
+    put("fan_picture", "fan", size + fan)
+    for row in (3, 9, 15):
+        for col in (0, 1, 33, 34):
+            fan[cols * row + col] = 200
+    put("fan_picture", "fan_with_text", size + fan)
+    put("jpeg", "fan.jpg", JPEG)
     shown = {"format": "sonar-picture-geometry/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6,
              "sound_speed_m_per_s": 1480, "db_span": 80}
     put("picture_geometry", "found.json", json.dumps(shown))

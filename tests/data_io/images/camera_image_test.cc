@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "data_io/images/image_io.h"
+#include "data_io/images/jpeg_codec.h"
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 
@@ -66,6 +67,15 @@ TEST_F(CameraImageTest, DamageIsOneSentence) {
   ASSERT_NE(frame, std::string::npos);
   for (std::size_t i = 5; i < 9; ++i) huge[frame + i] = '\xFF';
   EXPECT_THAT(MessageOf([&] { Read(huge); }), HasSubstr("65535 x 65535"));
+}
+
+// OpenCV also decodes bitmaps (BMP), for example. The frame segment of a JPEG within one must not lead there.
+TEST(JpegCodec, BytesOfAnotherFormatAreRefused) {
+  const std::string jpeg = Jpeg();
+  EXPECT_GT(ReadJpegHeader(jpeg, "picture").pixels(), 0);
+  const std::string bitmap = "BM" + jpeg.substr(2);
+  EXPECT_EQ(MessageOf([&] { ReadJpegHeader(bitmap, "picture"); }), "picture: not a JPEG, expected one");
+  EXPECT_EQ(MessageOf([&] { DecodeJpegRgb(bitmap, "picture"); }), "picture: not a JPEG, expected one");
 }
 
 // The thumbnail is a whole JPEG with an end marker of its own.
