@@ -342,7 +342,7 @@ TEST(McapWriterTest, ChunksOfManyMessagesAreIndexed) {
                                        .schema_encoding = "ros2msg",
                                        .schema = "string data\n"});
   std::string message("\0\1\0\0\xe9\x03\0\0", 8);
-  message += std::string(1000, 'x') + '\0';
+  message.append(1000, 'x') += '\0';
   for (int i = 0; i < 10'000; ++i) writer.Write(text, i, message);
   writer.Close();
   const auto mcap = testing::DecodeMcap(testing::ReadFile(dir / "a.mcap"));
