@@ -11,6 +11,9 @@
 namespace sonarcal::metrics {
 namespace {
 
+// std::lgamma writes a global variable, and these laws are computed in several threads at the same time.
+using Eigen::numext::lgamma;
+
 // Range of DecadesTable.
 constexpr double kLowestLog = -8.0;
 constexpr double kHighestLog = 8.0;
@@ -82,7 +85,7 @@ OrderedStatisticLaw::OrderedStatisticLaw(double cell_looks, double looks, int co
   for (int i = 0; i < kNodes; ++i) {
     const double share = low + (high - low) * (i + 0.5) / kNodes;
     const double density = std::exp((a - 1.0) * std::log(share) + (b - 1.0) * std::log1p(-share) +
-                                    std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b));
+                                    lgamma(a + b) - lgamma(a) - lgamma(b));
     if (!(density > 0.0)) continue;
     value_.push_back(GammaQuantile(looks, share));
     weight_.push_back(density);
@@ -106,8 +109,8 @@ double OrderedStatisticLaw::Decades(double ratio) const {
     // Product of (count - i) / (count - i + ratio), by Gamma functions.
     const double n = count_;
     const double k = rank_;
-    return NepersToDecades(std::lgamma(n + ratio + 1.0) - std::lgamma(n - k + ratio + 1.0) -
-                           std::lgamma(n + 1.0) + std::lgamma(n - k + 1.0));
+    return NepersToDecades(lgamma(n + ratio + 1.0) - lgamma(n - k + ratio + 1.0) - lgamma(n + 1.0) +
+                           lgamma(n - k + 1.0));
   }
   return (*table_)(ratio);
 }

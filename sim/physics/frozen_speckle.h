@@ -31,9 +31,10 @@ inline double FrozenPowerCdf(double looks, double echo_to_noise, double ratio) {
 
   // Sums from the largest Poisson term outwards; P(s + 1, y) = P(s, y) - y^s exp(-y) / Gamma(s + 1).
   const double middle = std::floor(a);
-  const double weight = std::exp(-a + middle * std::log(a) - std::lgamma(middle + 1.0));
+  const double weight = std::exp(-a + middle * std::log(a) - Eigen::numext::lgamma(middle + 1.0));
   const double below = Eigen::numext::igamma(looks + middle, y);
-  const double step = std::exp((looks + middle) * std::log(y) - y - std::lgamma(looks + middle + 1.0));
+  const double step =
+      std::exp((looks + middle) * std::log(y) - y - Eigen::numext::lgamma(looks + middle + 1.0));
   constexpr double kNegligible = 1e-15;
   double sum = 0.0;
   double w = weight;

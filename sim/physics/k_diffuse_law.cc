@@ -44,7 +44,7 @@ class Texture {
  public:
   explicit Texture(double shape)
       : shape_(shape),
-        log_constant_(shape * (std::log(shape) - 1.0) - std::lgamma(shape)),
+        log_constant_(shape * (std::log(shape) - 1.0) - Eigen::numext::lgamma(shape)),
         constant_by_shape_(std::log(shape) - Eigen::numext::digamma(shape)) {}
 
   double Step() const { return std::min(kStep, 0.6 / std::sqrt(shape_)); }

@@ -1,6 +1,7 @@
 #include "sim/physics/k_law.h"
 
 #include <cmath>
+#include <unsupported/Eigen/SpecialFunctions>
 
 #include <boost/math/special_functions/bessel.hpp>
 
@@ -14,7 +15,7 @@ double LogTerm(double shape, double power, double order, double argument) {
   using Fast =
       policies::policy<policies::overflow_error<policies::ignore_error>, policies::promote_double<false>>;
   return std::log(2.0 * boost::math::cyl_bessel_k(order, argument, Fast())) +
-         power * std::log(0.5 * argument) - std::lgamma(shape);
+         power * std::log(0.5 * argument) - Eigen::numext::lgamma(shape);
 }
 
 double Argument(double shape, double ratio) {

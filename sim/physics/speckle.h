@@ -93,7 +93,7 @@ inline double SpeckleDensity(double looks, double ratio, SpeckleLaw law = Speckl
     const double y = (1.0 + *w) * ratio;
     return (1.0 + *w) * (std::exp(-y) - std::exp(-y / *w)) / (1.0 - *w);
   }
-  return std::exp(looks * std::log(looks * ratio) - looks * ratio - std::lgamma(looks)) / ratio;
+  return std::exp(looks * std::log(looks * ratio) - looks * ratio - Eigen::numext::lgamma(looks)) / ratio;
 }
 
 // P(displayed <= v) at mean power `power` > 0, before clipping. At v = 0 it is the share clipped to 0; at v =

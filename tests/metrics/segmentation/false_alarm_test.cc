@@ -108,6 +108,17 @@ TEST(FalseAlarmTest, OrderedStatisticOfTwoLooksIsItsIntegral) {
   }
 }
 
+// Threads compute laws at the same time, and std::lgamma writes its sign to a global variable.
+TEST(FalseAlarmTest, NoLawWritesTheSignOfTheGammaFunction) {
+  constexpr int kUnwritten = 7;
+  signgam = kUnwritten;
+  EXPECT_GT(GammaTailDecades(1.35, 4.0), 0.0);
+  EXPECT_GT(CellAveragingDecades(1.35, 20.0, 4.0), 0.0);
+  EXPECT_GT(OrderedStatisticLaw(1.0, 1.0, 20, 15).Decades(4.0), 0.0);
+  EXPECT_GT(OrderedStatisticLaw(1.35, 1.35, 20, 15).Decades(4.0), 0.0);
+  EXPECT_EQ(signgam, kUnwritten);
+}
+
 TEST(FalseAlarmTest, ARatioOfZeroIsNoAlarm) {
   EXPECT_EQ(CellAveragingDecades(3.0, 16.0, 0.0), 0.0);
   EXPECT_EQ(OrderedStatisticLaw(1.0, 1.0, 8, 6).Decades(0.0), 0.0);
