@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <span>
+#include <system_error>
 
 #include <nlohmann/json.hpp>
 
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 [[noreturn]] void FailOn(const fs::path& file) {
-  throw DataError("{}: {}", file.string(), std::strerror(errno));
+  throw DataError("{}: {}", file.string(), std::generic_category().message(errno));
 }
 
 // Owner of a file descriptor, which it closes.
@@ -96,7 +96,7 @@ void BatchLedger::Append(const std::string& line) const {
   if (whole != status.st_size && ftruncate(ledger.number(), whole) != 0) FailOn(file_);
   const std::string text = line + '\n';
   if (const int error = data_io::WriteAll(ledger.number(), std::as_bytes(std::span(text))))
-    throw DataError("{}: cannot be written: {}", file_.string(), std::strerror(error));
+    throw DataError("{}: cannot be written: {}", file_.string(), std::generic_category().message(error));
   if (fsync(ledger.number()) != 0) FailOn(file_);
 }
 

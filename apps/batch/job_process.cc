@@ -8,8 +8,8 @@
 
 #include <cerrno>
 #include <csignal>
-#include <cstring>
 #include <fstream>
+#include <system_error>
 
 #include "core/types/error.h"
 
@@ -27,7 +27,7 @@ constexpr int kCouldNotStart = 127;
   if (getppid() != parent) _exit(kCouldNotStart);  // the parent ended before the line above
   sigset_t none;
   sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
+  pthread_sigmask(SIG_SETMASK, &none, nullptr);
   if (chdir(folder) != 0 || dup2(log, STDOUT_FILENO) < 0 || dup2(log, STDERR_FILENO) < 0)
     _exit(kCouldNotStart);
   execv(program, arguments);
@@ -40,7 +40,7 @@ JobProcess::JobProcess(const std::vector<std::string>& arguments, const fs::path
                        const fs::path& log) {
   fs::create_directories(log.parent_path());
   const int descriptor = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) throw DataError("{}: {}", log.string(), std::strerror(errno));
+  if (descriptor < 0) throw DataError("{}: {}", log.string(), std::generic_category().message(errno));
   const std::string program = fs::read_symlink("/proc/self/exe").string();
   std::vector<std::string> words = {"sonarcal"};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -52,7 +52,7 @@ JobProcess::JobProcess(const std::vector<std::string>& arguments, const fs::path
   if (process_ == 0) Become(program.c_str(), pointers.data(), folder.c_str(), descriptor, parent);
   const int fault = errno;
   close(descriptor);
-  if (process_ < 0) throw DataError("cannot start a process: {}", std::strerror(fault));
+  if (process_ < 0) throw DataError("cannot start a process: {}", std::generic_category().message(fault));
 }
 
 JobProcess::JobProcess(JobProcess&& other) noexcept : process_(other.process_), start_(other.start_) {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <iostream>
 #include <mutex>
 #include <string>
+#include <system_error>
 
 #include "core/types/error.h"
 
@@ -70,7 +70,8 @@ void StartMessages(const MessageSettings& settings) {
   destinations.log.clear();
   destinations.log.open(settings.log, std::ios::app);
   if (!destinations.log)
-    throw DataError("--log {}: cannot be written: {}", settings.log.string(), std::strerror(errno));
+    throw DataError("--log {}: cannot be written: {}", settings.log.string(),
+                    std::generic_category().message(errno));
 }
 
 void PrintMessage(MessageKind kind, std::string_view sentence) {
