@@ -183,7 +183,8 @@ TEST_F(ObjectRegion, NothingOutsideTheBoxIsObject) {
   world_.WriteSimulated("sim");
   Run(Compare("sim",
               "--object box --object-margin 0x0 --segmentation fixed_threshold --threshold 0 --closing 0x0"));
-  for (const Json& frame : ReadJsonFile(world_ / "compared/metrics.json")["frames"]) {
+  const Json metrics = ReadJsonFile(world_ / "compared/metrics.json");
+  for (const Json& frame : metrics["frames"]) {
     const Json& box = frame["object_region"];
     const int pixels = (box["range_bins"][1].get<int>() - box["range_bins"][0].get<int>()) *
                        (box["beams"][1].get<int>() - box["beams"][0].get<int>());

@@ -49,28 +49,37 @@ def children_of(process):
     return ids
 
 
-def kill_a_busy_worker(workers, deadline_s):
-    """Kills the first worker that is seen to begin a job (a process of its process); its processes as well."""
-    old = None  # what ran already, and may be at its end
+def job_of(process):
+    """The job that a process runs, as in `sonarcal batch ... --only JOB`; None if it runs none."""
+    words = pathlib.Path(f"/proc/{process}/cmdline").read_text().split("\0")
+    return words[words.index("--only") + 1] if "--only" in words else None
+
+
+def is_busy(runner, out):
+    """Whether the ledger says of the job of a process that it has started and not ended."""
+    return events_of(out).get(job_of(runner), ["none"])[-1] == "started"
+
+
+def kill_a_busy_worker(workers, out, deadline_s):
+    """Kills the first worker that is seen in the middle of a job, and the process that runs the job.
+
+    This process keeps the ledger. It is stopped first, so that the job does not end before the kill.
+    """
     end = time.monotonic() + deadline_s
     while time.monotonic() < end:
-        running = set()
         for worker in workers:
             try:
-                children = children_of(worker)
-                jobs = [job for child in children for job in children_of(child)]
+                for runner in children_of(worker):
+                    if not is_busy(runner, out):
+                        continue
+                    os.kill(runner, signal.SIGSTOP)
+                    if is_busy(runner, out):
+                        os.kill(worker, signal.SIGKILL)
+                        os.kill(runner, signal.SIGKILL)
+                        return worker
+                    os.kill(runner, signal.SIGCONT)
             except OSError:
                 continue
-            running.update(jobs)
-            if old is not None and set(jobs) - old:
-                os.kill(worker, signal.SIGKILL)
-                for child in children:
-                    try:
-                        os.kill(child, signal.SIGKILL)
-                    except ProcessLookupError:
-                        pass
-                return worker
-        old = running if old is None else old
         time.sleep(0.005)
     return None
 
@@ -89,7 +98,7 @@ def main():
             # Not before one job is done, so that it is the middle.
             while not any("done" in events for events in events_of(out).values()) and batch.poll() is None:
                 time.sleep(0.005)
-            killed = kill_a_busy_worker(workers, 60)
+            killed = kill_a_busy_worker(workers, out, 60)
             status = batch.wait(timeout=300)
     assert killed is not None, "no worker was seen with a job"
     assert status == 0, f"dask_batch ended with {status}"
