@@ -235,6 +235,7 @@ int RunApp(CLI::App& app, int argc, const char* const* argv) {
   MutableCommandLine().assign(argv, argv + argc);
   const auto start = std::chrono::steady_clock::now();
   const int status = ParseAndRun(app, {argv + std::min(argc, 1), argv + argc});
+  CommandHasEnded();
   std::cout.flush();
   EndRun(status, start);
   if (!std::cout && status == static_cast<int>(ExitStatus::kDone)) {

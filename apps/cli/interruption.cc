@@ -19,6 +19,7 @@ namespace {
 std::atomic<bool> command_can_stop = false;
 std::atomic<bool> command_was_asked = false;
 std::atomic<bool> command_may_be_slow = false;
+std::atomic<bool> command_has_ended = false;
 
 // Ends the program by the signal, as a shell expects it.
 [[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
@@ -51,7 +52,9 @@ void WaitForSignals(const sigset_t& signals) {
   DiscardCopy(signal);
   constexpr timespec kMoment = {0, 600'000'000};
   int again = sigtimedwait(&signals, nullptr, &kMoment);
-  if (again < 0 && command_may_be_slow) {
+  if (again < 0 && command_has_ended) {
+    if (sigwait(&signals, &again) != 0) return;
+  } else if (again < 0 && command_may_be_slow) {
     std::cerr << '\n';
     PrintError("waiting for the work that is running; a second interruption ends at once");
     if (sigwait(&signals, &again) != 0) return;
@@ -88,6 +91,10 @@ void HandleSignals() {
   }
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread([signals] { WaitForSignals(signals); }).detach();
+}
+
+void CommandHasEnded() {
+  command_has_ended = true;
 }
 
 }  // namespace sonarcal::cli

@@ -29,4 +29,8 @@ class Interruption {
 // Starts handling the signals. Must be called once, before the program starts other threads.
 void HandleSignals();
 
+// Says that the command has returned. An interruption that it has obeyed no longer ends the program, however
+// long the exit takes. A further one does.
+void CommandHasEnded();
+
 }  // namespace sonarcal::cli
