@@ -60,7 +60,8 @@ function(sonarcal_compile_options target)
   endif()
 endfunction()
 
-# Command lines, JSON, pages and tests: more optimisation doubles the build time and saves no time at run time.
+# sonarcal_optimise_little(TARGET): for command lines, JSON, pages and tests. There, more optimisation doubles the
+# build time and saves no time at run time.
 function(sonarcal_optimise_little target)
   target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
 endfunction()

@@ -29,8 +29,8 @@ class Interruption {
 // Starts handling the signals. Must be called once, before the program starts other threads.
 void HandleSignals();
 
-// Says that the command has returned. An interruption that it has obeyed no longer ends the program, however
-// long the exit takes. A further one does.
+// Must be called when the command has returned. If an interruption stopped the command, only a further one
+// ends the program, however long its exit takes.
 void CommandHasEnded();
 
 }  // namespace sonarcal::cli

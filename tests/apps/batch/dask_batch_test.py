@@ -56,14 +56,14 @@ def job_of(process):
 
 
 def is_busy(runner, out):
-    """Whether the ledger says of the job of a process that it has started and not ended."""
+    """True if the process runs a job that has started and has not ended, by the ledger."""
     return events_of(out).get(job_of(runner), ["none"])[-1] == "started"
 
 
 def kill_a_busy_worker(workers, out, deadline_s):
-    """Kills the first worker that is seen in the middle of a job, and the process that runs the job.
+    """Kills the first worker that is in the middle of a job, and the process that runs the job.
 
-    This process keeps the ledger. It is stopped first, so that the job does not end before the kill.
+    This process keeps the ledger. It is stopped first, so that the job cannot end before the kill.
     """
     end = time.monotonic() + deadline_s
     while time.monotonic() < end:
