@@ -136,8 +136,13 @@ RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_
   const char* kernels = std::getenv("SONARCAL_EMBREE");
   embree_->device = rtcNewDevice(kernels != nullptr ? kernels : "max_isa=avx2");
   if (embree_->device == nullptr) {
-    throw std::runtime_error(fmt::format("the ray tracer did not start (Embree error {})",
-                                         static_cast<int>(rtcGetDeviceError(nullptr))));
+    const auto error = static_cast<int>(rtcGetDeviceError(nullptr));
+    if (kernels != nullptr) {
+      throw DataError(
+          "SONARCAL_EMBREE is '{}', expected kernels that this processor supports (Embree error {})", kernels,
+          error);
+    }
+    throw std::runtime_error(fmt::format("the ray tracer did not start (Embree error {})", error));
   }
   embree_->scene = rtcNewScene(embree_->device);
   // Watertight edges: a ray must not pass between two triangles of a closed surface.

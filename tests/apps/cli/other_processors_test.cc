@@ -1,6 +1,7 @@
 // Numbers on other processors: the program under other instruction sets, beside the program as it is.
 // Without AVX2 and FMA, arithmetic of rows, the maths library and the ray tracer run other code. An emulator
 // runs the whole program on a processor that has neither. What this machine cannot run is skipped.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,6 +33,17 @@ struct Processor {
   }
 };
 
+// True if this processor has the parts of AVX-512 that Embree's kernels need.
+bool HasAvx512() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
+         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+         __builtin_cpu_supports("avx512vl");
+#else
+  return false;
+#endif
+}
+
 // Returns why a prefix cannot run here; empty if it can.
 std::string WhyNot(const std::string& prefix) {
   if (prefix.starts_with("qemu")) {
@@ -40,14 +52,7 @@ std::string WhyNot(const std::string& prefix) {
 #endif
     if (std::system("command -v qemu-x86_64 >/dev/null") != 0) return "no qemu-x86_64";
   }
-#if defined(__x86_64__)
-  // The parts of AVX-512 that Embree's kernels need.
-  if (prefix.ends_with("avx512") &&
-      !(__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
-        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512vl")))
-    return "this processor has no AVX-512";
-#endif
+  if (prefix.ends_with("avx512") && !HasAvx512()) return "this processor has no AVX-512";
   return {};
 }
 
@@ -140,6 +145,16 @@ TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardError) {
     }
     EXPECT_GE(compared, 3);
   }
+}
+
+TEST(RayTracerKernels, ThoseThatTheProcessorLacksAreRefused) {
+  if (HasAvx512()) GTEST_SKIP() << "this processor has AVX-512";
+  const TinyWorld world;
+  const Outcome outcome = RunSonarcal(world.SimulateArguments() + " --quiet --out " + Quoted(world / "sim"),
+                                      "SONARCAL_EMBREE=isa=avx512");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr("SONARCAL_EMBREE is 'isa=avx512'"));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, OtherProcessor,
