@@ -53,8 +53,8 @@ double PeakMiB(const TempDir& dir, int count) {
   WriteRecordingOf(dir / fmt::format("real{}", count), count, 1);
   WriteRecordingOf(dir / fmt::format("sim{}", count), count, 2);
   const std::string command =
-      fmt::format("exec {} compare --quiet --pictures 2 --real {} --sim {} --out {} >/dev/null",
-                  SONARCAL_BINARY, Quoted(dir / fmt::format("real{}", count)),
+      fmt::format("exec {} {} compare --quiet --pictures 2 --real {} --sim {} --out {} >/dev/null",
+                  testing::kFreeSoon, SONARCAL_BINARY, Quoted(dir / fmt::format("real{}", count)),
                   Quoted(dir / fmt::format("sim{}", count)), Quoted(dir / fmt::format("out{}", count)));
   const pid_t child = fork();
   if (child == 0) {

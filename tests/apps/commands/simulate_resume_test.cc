@@ -209,6 +209,22 @@ TEST_F(SimulateResume, TwoCopiesOfASignalAreOneInterruption) {
   EXPECT_GE(data_io::OpenRecording(world_ / "out")->frame_count(), 2);
 }
 
+// A command that has stopped as asked is not ended by the signal while the process exits.
+TEST_F(SimulateResume, AnExitMayTakeLongAfterAnInterruption) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  const std::string prefix;  // a sanitizer must be loaded first, and its exit is slow
+#else
+  const std::string prefix = "env LD_PRELOAD=" + Quoted(SONARCAL_SLOW_EXIT);
+#endif
+  Running running(Arguments("out", "-q"), world_ / "err", prefix);
+  ASSERT_TRUE(running.SignalOnce(world_ / ".out.unfinished/frame_0001.png", SIGINT));
+  const int status = running.Wait().wait_status;
+  const std::string sentence = ReadFile(world_ / "err");
+  ASSERT_TRUE(WIFEXITED(status)) << sentence;
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_TRUE(IsOneSentence(sentence)) << sentence;
+}
+
 TEST_F(SimulateResume, NohupKeepsARunGoingWhenTheTerminalCloses) {
   Running running(Arguments("out", "-q"), world_ / "err", "nohup");
   ASSERT_TRUE(running.SignalOnce(world_ / ".out.unfinished/frame_0003.png", SIGHUP));
@@ -341,7 +357,7 @@ TEST(SimulateResumed, MemoryDoesNotGrowWithTheSequence) {
     const std::string arguments =
         fmt::format("{} -q --threads 1 --out {}", Replaced(world.SimulateArguments(), "96x200", "512x200"),
                     Quoted(world / std::to_string(frames)));
-    const Ended ended = Running(arguments, world / "err").Wait();
+    const Ended ended = Running(arguments, world / "err", testing::kFreeSoon).Wait();
     EXPECT_EQ(ended.wait_status, 0) << ReadFile(world / "err");
     return ended.peak_rss_kib;
   };
