@@ -35,7 +35,7 @@ constexpr int LaneOf(int row, int col) {
 
 // Directions of the rows of a tile, padded to whole tiles, and the packet of a tile.
 struct RayCaster::RowBuffers {
-  RowBuffers(int cols, const Eigen::Vector3f& origin) {
+  RowBuffers(int cols, const Eigen::Vector3f& origin, float max_range_m) {
     for (auto& of_row : direction) {
       for (std::vector<float>& component : of_row)
         component.resize(static_cast<std::size_t>(cols) + kTileCols, 0.0F);
@@ -45,11 +45,13 @@ struct RayCaster::RowBuffers {
     std::fill_n(packet.ray.org_z, kPacket, origin.z());
     std::fill_n(packet.ray.mask, kPacket, ~0U);
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(farthest_m, kPacket, max_range_m);
   }
 
   std::array<std::array<std::vector<float>, 3>, kTileRows> direction;
   embree::Query query{true};
   alignas(32) Packet packet = {};
+  alignas(32) float farthest_m[kPacket] = {};
 };
 
 namespace {
@@ -164,11 +166,13 @@ RayCaster::RayCaster(Scene scene) : scene_(std::move(scene)), embree_(std::make_
                                          static_cast<int>(error)));
   }
 
-  normals_.reserve(scene_.triangles.size());
+  planes_.reserve(scene_.triangles.size());
   for (const Eigen::Vector3i& t : scene_.triangles) {
-    const Eigen::Vector3f edge1 = scene_.vertices_m[t[1]] - scene_.vertices_m[t[0]];
-    const Eigen::Vector3f edge2 = scene_.vertices_m[t[2]] - scene_.vertices_m[t[0]];
-    normals_.emplace_back(edge1.cast<double>().cross(edge2.cast<double>()).normalized().cast<float>());
+    const Eigen::Vector3d at = scene_.vertices_m[t[0]].cast<double>();
+    const Eigen::Vector3d edge1 = scene_.vertices_m[t[1]].cast<double>() - at;
+    const Eigen::Vector3d edge2 = scene_.vertices_m[t[2]].cast<double>() - at;
+    const Eigen::Vector3d normal = edge1.cross(edge2).normalized();
+    planes_.push_back({normal.x(), normal.y(), normal.z(), normal.dot(at)});
   }
 }
 
@@ -177,6 +181,20 @@ RayCaster::RayCaster(Scene scene, const RayCaster& counted_with) : RayCaster(std
 }
 
 RayCaster::~RayCaster() = default;
+
+// Replaces the ranges of a packet's hits by those to the planes of the triangles. Embree divides by an
+// estimate of the reciprocal, whose last bits differ between makers of processors.
+void RayCaster::MeasureRanges(RTCRayHit8& packet, const float* farthest_m) const {
+  std::uint32_t triangle[kPacket];
+  for (int lane = 0; lane < kPacket; ++lane)
+    triangle[lane] = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID ? packet.hit.primID[lane] : 0;
+  const RTCRay8& ray = packet.ray;
+  row_math::PlaneRanges(planes_.front().data(), triangle,
+                        {.origin_m = {ray.org_x, ray.org_y, ray.org_z},
+                         .direction = {ray.dir_x, ray.dir_y, ray.dir_z},
+                         .farthest_m = farthest_m},
+                        kPacket, packet.ray.tfar);
+}
 
 std::int64_t RayCaster::rays_cast() const {
   return embree_->rays_cast->load();
@@ -200,8 +218,8 @@ struct RayCaster::Casting {
 };
 
 // Casts the rays of one row of tiles, which begins at the fan's row `row`. Calls `met(first, count, packet)`
-// after each tile: its rows hold `count` rays from column `first` on. Rays beyond the fan's last row count as
-// misses.
+// after each tile of which any ray hits: its rows hold `count` rays from column `first` on. Rays beyond the
+// fan's last row count as misses.
 template <typename Met>
 void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, Met&& met) const {
   const int rows = std::min(kTileRows, casting.fan.rows() - row);
@@ -230,6 +248,8 @@ void RayCaster::CastTiles(const Casting& casting, int row, RowBuffers& buffers, 
     std::fill_n(packet.ray.tfar, kPacket, casting.max_range_m);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
     buffers.query.Intersect8(valid, embree_->scene, &packet);
+    if (!AnyHit(packet)) continue;
+    MeasureRanges(packet, buffers.farthest_m);
     met(casting.first_col + at, count, packet);
   }
 }
@@ -250,7 +270,7 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
   hits.triangle.assign(fan.size(), -1);
   const Casting casting(fan, world_from_sonar, max_range_m);
   ForRows(fan, [&](int begin, int end) {
-    RowBuffers buffers(fan.cols(), casting.origin);
+    RowBuffers buffers(fan.cols(), casting.origin, casting.max_range_m);
     for (int row = begin; row < end; row += kTileRows) {
       CastTiles(casting, row, buffers, [&](int first, int count, const Packet& packet) {
         for (int r = 0; r < std::min(kTileRows, end - row); ++r) {
@@ -272,12 +292,11 @@ FanHits RayCaster::Cast(const RayFan& fan, const Pose& world_from_sonar, double 
 // Passes the hits of rows begin .. end - 1 to `take`, row by row.
 void RayCaster::CastRowsOf(const Casting& casting, int begin, int end,
                            const std::function<void(const RowHits&)>& take) const {
-  RowBuffers buffers(casting.cols, casting.origin);
+  RowBuffers buffers(casting.cols, casting.origin, casting.max_range_m);
   std::vector<HitsOfRow> hits(kTileRows, HitsOfRow(casting.cols));
   for (int row = begin; row < end; row += kTileRows) {
     for (HitsOfRow& of_row : hits) of_row.Clear();
     CastTiles(casting, row, buffers, [&](int first, int count, const Packet& packet) {
-      if (!AnyHit(packet)) return;
       float half_tangent[kPacket];
       row_math::HalfTangents(packet.ray.dir_x, packet.ray.dir_y, packet.ray.dir_z, packet.hit.Ng_x,
                              packet.hit.Ng_y, packet.hit.Ng_z, kPacket, half_tangent);
@@ -366,12 +385,15 @@ FanHits RayCaster::FirstIntersections(const FreeRays& rays) const {
   const embree::FlushDenormals flush;
   embree::Query query(true);
   alignas(32) Packet packet = {};
+  alignas(32) float farthest_m[kPacket];
   alignas(32) int valid[kPacket];
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
     Load(rays, first, packet.ray, valid);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+    std::copy_n(packet.ray.tfar, kPacket, farthest_m);
     query.Intersect8(valid, embree_->scene, &packet);
+    MeasureRanges(packet, farthest_m);
     for (std::size_t i = 0; i < std::min<std::size_t>(kPacket, rays.size() - first); ++i) {
       if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       hits.range_m[first + i] = packet.ray.tfar[i];

@@ -14,6 +14,8 @@
 #include "core/types/scene.h"
 #include "sim/rays/ray_fan.h"
 
+struct RTCRayHit8;
+
 namespace sonarcal::sim {
 
 // First intersection of each ray, in the order of the rays.
@@ -101,7 +103,10 @@ class RayCaster {
   std::vector<char> IsOccluded(const FreeRays& rays) const;
 
   // Unit normal of a triangle in world coordinates.
-  const Eigen::Vector3f& TriangleNormal(int triangle) const { return normals_[triangle]; }
+  Eigen::Vector3f TriangleNormal(int triangle) const {
+    const Plane& plane = planes_[triangle];
+    return Eigen::Vector3d(plane[0], plane[1], plane[2]).cast<float>();
+  }
   std::uint16_t TriangleMaterial(int triangle) const { return scene_.triangle_material[triangle]; }
   const std::vector<std::string>& material_names() const { return scene_.material_names; }
   const Scene& scene() const { return scene_; }
@@ -113,6 +118,8 @@ class RayCaster {
   struct Embree;
   struct RowBuffers;
   struct Casting;
+  using Plane = std::array<double, 4>;  // unit normal, and distance from the world's origin along it
+  void MeasureRanges(RTCRayHit8& packet, const float* farthest_m) const;
   template <typename Met>
   void CastTiles(const Casting& casting, int row, RowBuffers& buffers, Met&& met) const;
   void CastRowsOf(const Casting& casting, int begin, int end,
@@ -120,7 +127,7 @@ class RayCaster {
 
   Scene scene_;
   std::unique_ptr<Embree> embree_;  // declared after the scene it reads, so destroyed first
-  std::vector<Eigen::Vector3f> normals_;
+  std::vector<Plane> planes_;       // of the triangles
 };
 
 }  // namespace sonarcal::sim

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <iostream>
 
 #include "calib/acoustic_fit.h"
-#include "sim/physics/gsab.h"
 #include "tests/calib/synthetic_tank.h"
 #include "tests/support/recordings.h"
 
@@ -16,35 +14,6 @@ namespace sonarcal::calib {
 namespace {
 
 using testing::SyntheticTank;
-
-// Angles that the truth says are covered: by at least this many pixels a bin of five degrees.
-constexpr int kCovered = 90;
-
-// What a curve may be off by, as without ghosts (synthetic_tank_test.cc): sigmas do not cover all that the
-// model lacks (docs/studies/ghosts.md).
-constexpr double kMostOffDb = 1.5;
-
-// Share of the covered angles at which the true curve lies in the fitted one's 95 % band.
-double ShareInBand(const SyntheticTank& tank, const FitReport& report, const std::string& material) {
-  const nlohmann::json& pixels = tank.truth.at("incidence_coverage").at("pixels").at(material);
-  const auto curve = std::find_if(report.curves.begin(), report.curves.end(),
-                                  [&](const FittedCurve& of) { return of.material == material; });
-  EXPECT_NE(curve, report.curves.end()) << material;
-  if (curve == report.curves.end()) return 0.0;
-  int covered = 0;
-  int in_band = 0;
-  for (std::size_t i = 0; i < curve->incidence_deg.size(); ++i) {
-    const double deg = curve->incidence_deg[i];
-    const auto bin = std::min(static_cast<std::size_t>(deg / 5.0), pixels.size() - 1);
-    // At 90 degrees a cosine has no level.
-    if (pixels[bin].get<int>() < kCovered || deg > 89.0) continue;
-    ++covered;
-    const double off_db = curve->backscatter_db[i] - sim::GsabDb(tank.TrueCurve(material), deg);
-    if (std::abs(off_db) <= 1.96 * curve->sigma_db[i]) ++in_band;
-    EXPECT_LE(std::abs(off_db), std::max(1.96 * curve->sigma_db[i], kMostOffDb)) << material << " at " << deg;
-  }
-  return static_cast<double>(in_band) / covered;
-}
 
 TEST(SyntheticTankGhosts, LossesCurvesAndNoiseAreFoundTogether) {
   SONARCAL_NEEDS_RECORDING(folder, "synthetic_tank_ghosts");
@@ -67,9 +36,8 @@ TEST(SyntheticTankGhosts, LossesCurvesAndNoiseAreFoundTogether) {
   }
   EXPECT_NEAR(fit.parameters.receiver.noise_db.value(), tank.TrueNoiseDb(), 0.3);
   for (const char* material : {"floor", "mockup"}) {
-    const double share = ShareInBand(tank, fit.report, material);
-    std::cout << fmt::format("  {}: {:.2f} of the covered angles in the 95 % band\n", material, share);
-    EXPECT_GE(share, 0.85) << material << ": the target, all of them, is not reached";
+    EXPECT_GE(testing::ExpectCurve(tank, fit.report, material).share_in_band, 0.85)
+        << material << ": the target, all of them, is not reached";
   }
 
   // Held out: the error of the expected image beside what speckle alone makes of the true one's.

@@ -1,12 +1,17 @@
 #include "tests/calib/synthetic_tank.h"
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iostream>
 
 #include "data_io/open_recording.h"
 #include "data_io/scenes/scene_io.h"
 #include "sim/physics/display.h"
+#include "sim/physics/gsab.h"
 #include "sim/rays/acoustic_fan.h"
 
 namespace sonarcal::testing {
@@ -82,6 +87,39 @@ ParameterSet SyntheticTank::TrueParameters() const {
   parameters.beam.transmit_even_deg = 24.0;
   parameters.beam.transmit_end_deg = 45.0;
   return parameters;
+}
+
+CurveAgreement ExpectCurve(const SyntheticTank& tank, const calib::FitReport& report,
+                           const std::string& material) {
+  // Covered: by at least this many pixels a bin of five degrees.
+  constexpr int kMinPixels = 90;
+  constexpr double kBinDeg = 5.0;
+  const nlohmann::json& pixels = tank.truth.at("incidence_coverage").at("pixels").at(material);
+  const auto curve = std::find_if(report.curves.begin(), report.curves.end(),
+                                  [&](const calib::FittedCurve& of) { return of.material == material; });
+  CurveAgreement agreement;
+  EXPECT_NE(curve, report.curves.end()) << material;
+  if (curve == report.curves.end()) return agreement;
+  int known = 0;
+  int in_band = 0;
+  for (std::size_t i = 0; i < curve->incidence_deg.size(); ++i) {
+    const double deg = curve->incidence_deg[i];
+    const auto bin = std::min(static_cast<std::size_t>(deg / kBinDeg), pixels.size() - 1);
+    // At 90 degrees a cosine has no level.
+    if (pixels[bin].get<int>() < kMinPixels || deg > 89.0) continue;
+    ++agreement.covered;
+    const double off_db = std::abs(curve->backscatter_db[i] - sim::GsabDb(tank.TrueCurve(material), deg));
+    const double band_db = 1.96 * curve->sigma_db[i];
+    known += band_db < kMostOffDb ? 1 : 0;
+    in_band += off_db <= band_db ? 1 : 0;
+    EXPECT_LE(off_db, std::max(band_db, kMostOffDb)) << material << " at " << deg;
+  }
+  EXPECT_GT(agreement.covered, 0) << material;
+  agreement.share_known = static_cast<double>(known) / agreement.covered;
+  agreement.share_in_band = static_cast<double>(in_band) / agreement.covered;
+  std::cout << fmt::format("  {}: {} covered angles, of which {:.2f} are known and {:.2f} in the 95 % band\n",
+                           material, agreement.covered, agreement.share_known, agreement.share_in_band);
+  return agreement;
 }
 
 double SpeckleFloorOf(double power, const DisplayParameters<double>& display) {

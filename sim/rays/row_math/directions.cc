@@ -1,6 +1,7 @@
 #include "sim/rays/row_math/directions.h"
 
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include "core/math/vector_versions.h"
@@ -172,6 +173,36 @@ void HalfTangents(const float* __restrict dx, const float* __restrict dy, const 
     const float cosine = std::abs(dx[i] * nx[i] + dy[i] * ny[i] + dz[i] * nz[i]);
     const float length = std::sqrt(sine_square + cosine * cosine);
     half_tangent[i] = std::sqrt(sine_square) / (length + cosine + 1e-30F);
+  }
+}
+
+namespace {
+
+__attribute__((always_inline)) inline float RangeTo(const double* plane, const Rays& rays, int i) {
+  const double towards =
+      plane[0] * rays.direction[0][i] + plane[1] * rays.direction[1][i] + plane[2] * rays.direction[2][i];
+  const double away = plane[3] - (plane[0] * rays.origin_m[0][i] + plane[1] * rays.origin_m[1][i] +
+                                  plane[2] * rays.origin_m[2][i]);
+  const double range_m = away / towards;
+  const double farthest_m = rays.farthest_m[i];
+  const double limited_m = range_m < farthest_m ? range_m : farthest_m;  // NaN becomes the farthest
+  return static_cast<float>(limited_m > 0.0 ? limited_m : 0.0);
+}
+
+}  // namespace
+
+SONARCAL_VECTOR_VERSIONS
+void PlaneRanges(const double* __restrict planes, const std::uint32_t* __restrict plane, const Rays& rays,
+                 int count, float* __restrict range_m) {
+  const auto of = [&](int i) { return planes + 4 * static_cast<std::size_t>(plane[i]); };
+  int others = 0;
+  for (int i = 0; i < count; ++i) others += plane[i] != plane[0] ? 1 : 0;
+  if (others == 0) {
+    // Most neighbouring rays meet one plane, and vector instructions then need no gathering.
+    const double* only = of(0);
+    for (int i = 0; i < count; ++i) range_m[i] = RangeTo(only, rays, i);
+  } else {
+    for (int i = 0; i < count; ++i) range_m[i] = RangeTo(of(i), rays, i);
   }
 }
 

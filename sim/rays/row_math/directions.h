@@ -4,6 +4,9 @@
 // are defined in sim/physics, in double precision; tests compare the two.
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 namespace sonarcal::sim::row_math {
 
 // Rotates the vectors (x[i] across, y[i] across, up) by `rotation` (row-major 3x3) and normalises them.
@@ -32,6 +35,18 @@ void CellWeights(const float* cosine, const float* limit, const float* per_rad, 
 // orientation. Exact to single precision at every angle; a cosine loses its precision near 0.
 void HalfTangents(const float* dx, const float* dy, const float* dz, const float* nx, const float* ny,
                   const float* nz, int count, float* half_tangent);
+
+// Rays of any origins, by component.
+struct Rays {
+  std::array<const float*, 3> origin_m;
+  std::array<const float*, 3> direction;
+  const float* farthest_m = nullptr;
+};
+// Distances along rays to planes: of ray i to plane[i], which has normal planes[4 p .. 4 p + 2] and distance
+// planes[4 p + 3] from the world's origin, limited to 0 .. farthest_m. In double precision up to the result.
+// A ray within the plane gets any distance of these.
+void PlaneRanges(const double* planes, const std::uint32_t* plane, const Rays& rays, int count,
+                 float* range_m);
 
 // Angles between 0 and 90 degrees of these sines and cosines (or of any multiple of both), rad.
 void Angles(const float* sine, const float* cosine, int count, float* angle_rad);

@@ -317,10 +317,11 @@ TEST_F(BatchTest, AClusterThatLosesAWorkerEndsTheSame) {
     GTEST_SKIP() << "needs python3-distributed";
   WritePlan("192x400");
   ASSERT_EQ(RunSonarcal(Batch("whole")).status, 0);
-  EXPECT_EQ(std::system(fmt::format("{} {} {} {} {} 2>&1", SONARCAL_PYTHON, SONARCAL_DASK_TEST,
-                                    SONARCAL_BINARY, SONARCAL_DASK_BATCH, Quoted(world_ / "."))
-                            .c_str()),
-            0);
+  EXPECT_EQ(
+      std::system(fmt::format("timeout --kill-after=10 900 {} {} {} {} {} 2>&1", SONARCAL_PYTHON,
+                              SONARCAL_DASK_TEST, SONARCAL_BINARY, SONARCAL_DASK_BATCH, Quoted(world_ / "."))
+                      .c_str()),
+      0);
 }
 
 // As a power failure leaves it.

@@ -44,8 +44,11 @@ def outputs_of(out):
 def children_of(process):
     """Ids of a process's children, of its threads all."""
     ids = []
-    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
-        ids += [int(word) for word in (task / "children").read_text().split()]
+    try:
+        for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+            ids += [int(word) for word in (task / "children").read_text().split()]
+    except OSError:  # it, or a thread of it, has ended
+        pass
     return ids
 
 
@@ -60,6 +63,14 @@ def is_busy(runner, out):
     return events_of(out).get(job_of(runner), ["none"])[-1] == "started"
 
 
+def wait_for_a_job(out, batch, limit_s):
+    """Returns when one job is done or the batch has ended."""
+    end = time.monotonic() + limit_s
+    while not any("done" in events for events in events_of(out).values()) and batch.poll() is None:
+        assert time.monotonic() < end, f"no job was done in {limit_s} s: {events_of(out)}"
+        time.sleep(0.005)
+
+
 def kill_a_busy_worker(workers, out, deadline_s):
     """Kills the first worker that is in the middle of a job, and the process that runs the job.
 
@@ -68,20 +79,28 @@ def kill_a_busy_worker(workers, out, deadline_s):
     end = time.monotonic() + deadline_s
     while time.monotonic() < end:
         for worker in workers:
-            try:
-                for runner in children_of(worker):
-                    if not is_busy(runner, out):
-                        continue
-                    os.kill(runner, signal.SIGSTOP)
-                    if is_busy(runner, out):
-                        os.kill(worker, signal.SIGKILL)
-                        os.kill(runner, signal.SIGKILL)
+            for runner in children_of(worker):
+                try:
+                    if is_busy(runner, out) and kill_both(worker, runner, out):
                         return worker
-                    os.kill(runner, signal.SIGCONT)
-            except OSError:
-                continue
+                except OSError:  # one of them has ended
+                    continue
         time.sleep(0.005)
     return None
+
+
+def kill_both(worker, runner, out):
+    """Kills a worker and the process of its job if the job has not ended; False if it has."""
+    os.kill(runner, signal.SIGSTOP)
+    try:
+        if is_busy(runner, out):
+            os.kill(worker, signal.SIGKILL)
+            os.kill(runner, signal.SIGKILL)
+            return True
+    except OSError:  # the worker has ended
+        pass
+    os.kill(runner, signal.SIGCONT)
+    return False
 
 
 def main():
@@ -95,11 +114,12 @@ def main():
         command = [sys.executable, dask_batch, str(folder / "plan.json"), "--out", str(out)]
         command += ["--scheduler", cluster.scheduler_address, "--program", sonarcal]
         with subprocess.Popen(command) as batch:
-            # Not before one job is done, so that it is the middle.
-            while not any("done" in events for events in events_of(out).values()) and batch.poll() is None:
-                time.sleep(0.005)
-            killed = kill_a_busy_worker(workers, out, 60)
-            status = batch.wait(timeout=300)
+            try:
+                wait_for_a_job(out, batch, 300)  # so that the kill comes in the middle
+                killed = kill_a_busy_worker(workers, out, 60)
+                status = batch.wait(timeout=300)
+            finally:
+                batch.kill()  # which otherwise would be waited for without limit
     assert killed is not None, "no worker was seen with a job"
     assert status == 0, f"dask_batch ended with {status}"
     events = events_of(out)

@@ -106,6 +106,56 @@ TEST(RowMath, HalfTangentsOfEveryAngle) {
   for (int i = 0; i < count; ++i) EXPECT_NEAR(2.0 * std::atan(found[i]), angle_rad[i], 6e-7) << angle_rad[i];
 }
 
+// To the last bit of single precision, and the same bits whether the rays meet one plane or several.
+TEST(RowMath, PlaneRangesAreThoseOfTheEquation) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  constexpr int kCount = 500;
+  constexpr int kPlanes = 3;
+  std::vector<double> planes;
+  for (int p = 0; p < kPlanes; ++p) {
+    const Eigen::Vector3d of = Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+    planes.insert(planes.end(), {of.x(), of.y(), of.z(), 1e3 * normal(random)});
+  }
+  std::array<std::vector<float>, 3> origin_m;
+  std::array<std::vector<float>, 3> direction;
+  for (int i = 0; i < kCount; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      origin_m[k].push_back(static_cast<float>(100.0 * normal(random)));
+      direction[k].push_back(static_cast<float>(normal(random)));
+    }
+  }
+  const std::vector<float> farthest_m(kCount, 5e3F);
+  const row_math::Rays rays{.origin_m = {origin_m[0].data(), origin_m[1].data(), origin_m[2].data()},
+                            .direction = {direction[0].data(), direction[1].data(), direction[2].data()},
+                            .farthest_m = farthest_m.data()};
+  std::vector<std::uint32_t> mixed(kCount);
+  for (int i = 0; i < kCount; ++i) mixed[i] = static_cast<std::uint32_t>(i % kPlanes);
+  std::vector<float> of_mixed(kCount);
+  row_math::PlaneRanges(planes.data(), mixed.data(), rays, kCount, of_mixed.data());
+  int between = 0;
+  for (int p = 0; p < kPlanes; ++p) {
+    const std::vector<std::uint32_t> one(kCount, static_cast<std::uint32_t>(p));
+    std::vector<float> of_one(kCount);
+    row_math::PlaneRanges(planes.data(), one.data(), rays, kCount, of_one.data());
+    for (int i = 0; i < kCount; ++i) {
+      if (mixed[i] == one[i]) {
+        EXPECT_EQ(of_mixed[i], of_one[i]) << i;
+      }
+      long double away = planes[4 * p + 3];
+      long double towards = 0.0L;
+      for (int k = 0; k < 3; ++k) {
+        away -= static_cast<long double>(planes[4 * p + k]) * origin_m[k][i];
+        towards += static_cast<long double>(planes[4 * p + k]) * direction[k][i];
+      }
+      const auto expected_m = static_cast<double>(std::clamp(away / towards, 0.0L, 5000.0L));
+      EXPECT_NEAR(of_one[i], expected_m, 6.1e-8 * expected_m) << i;
+      between += expected_m > 0.0 && expected_m < 5e3 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(between, kCount / 2);
+}
+
 TEST(RowMath, EchoStepsFollowTheLevel) {
   std::vector<float> table;
   constexpr int kSteps = 1000;
@@ -275,6 +325,25 @@ TEST(RowMath, HalfTangentsOfNormalsOfEveryLength) {
     const double expected = std::tan(0.5 * std::acos(0.8));
     for (const float of : found) EXPECT_NEAR(of, length >= 1e-15F ? expected : 0.0, 1e-6) << length;
   }
+}
+
+TEST(RowMath, RangesOfRaysWithinAPlaneAreLimited) {
+  const std::vector<double> plane = {0.0, 0.0, 1.0, 2.0};
+  const std::vector<std::uint32_t> first(17, 0);
+  const auto range_m = [&](float height_m, float upward) {
+    std::vector<float> found(17);
+    row_math::PlaneRanges(plane.data(), first.data(),
+                          {.origin_m = {Row(0.0F).data(), Row(0.0F).data(), Row(height_m).data()},
+                           .direction = {Row(1.0F).data(), Row(0.0F).data(), Row(upward).data()},
+                           .farthest_m = Row(30.0F).data()},
+                          17, found.data());
+    return found;
+  };
+  EXPECT_THAT(range_m(2.0F, 0.0F), ::testing::Each(30.0F)) << "0 / 0";
+  EXPECT_THAT(range_m(1.0F, 0.0F), ::testing::Each(30.0F)) << "parallel";
+  EXPECT_THAT(range_m(1.0F, 1e-6F), ::testing::Each(30.0F)) << "beyond the limit";
+  EXPECT_THAT(range_m(3.0F, 0.5F), ::testing::Each(0.0F)) << "behind";
+  EXPECT_THAT(range_m(1.0F, 0.5F), ::testing::Each(2.0F));
 }
 
 TEST(RowMath, PatchPowersFarAndNear) {
