@@ -29,9 +29,9 @@ namespace sonarcal::calib {
 namespace {
 
 // Max number of rounds, each about a new point. Rounds end if the largest move, as a fraction of its reach,
-// is below kSettled.
-constexpr int kRounds = 10;
-constexpr double kSettled = 0.05;
+// is below kJointSettled.
+constexpr int kJointRounds = 10;
+constexpr double kJointSettled = 0.05;
 constexpr double kShrink = 0.1;  // factor of the reach after a rejected move
 
 // Min predicted fall of the cost of a joint step, as a fraction of the effect of noise on one parameter: the
@@ -47,7 +47,7 @@ constexpr std::size_t kScanPixels = 200'000;
 constexpr double kHeld = 0.02;
 
 // Max number of moves to better poses away from the present ones, and the min gain of a move.
-constexpr int kMovesToBetter = 3;
+constexpr int kPoseMovesToBetter = 3;
 constexpr double kBetterNats = 1.0;
 
 // Max number of joint steps after such a move. Few frames move, so the curves change little.
@@ -406,7 +406,7 @@ class AcousticFitter {
     double scale = 1.0;
     ParameterValues best;
     double best_cost = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kRounds && fit_.usable && !settled_; ++round) {
+    for (int round = 0; round < kJointRounds && fit_.usable && !settled_; ++round) {
       model_->Linearise(fit_.values, geometric_);
       const double cost = CostAt(*model_, fit_.values, model_->frame_count());
       Say(fmt::format("round {}: cost {:.1f}", round + 1, cost));
@@ -426,7 +426,7 @@ class AcousticFitter {
         largest = std::max(largest, std::abs(fit_.values[entry] - best[entry]) /
                                         Reach(catalog_[entry], best[entry], *model_));
       }
-      settled_ = settled_ || largest < kSettled;
+      settled_ = settled_ || largest < kJointSettled;
     }
   }
 
@@ -449,7 +449,7 @@ class AcousticFitter {
   void GoToBetterPoses() {
     std::vector<int> searched = poses_;  // entries
     std::vector<OtherPose> others;
-    for (int move = 0; move < kMovesToBetter && !options_.near_start && !poses_.empty() && fit_.usable;
+    for (int move = 0; move < kPoseMovesToBetter && !options_.near_start && !poses_.empty() && fit_.usable;
          ++move) {
       Say("searching for poses that fit the frames better");
       std::vector<OtherPose> found = OtherPoses(*model_, catalog_, searched, fit_.values);
@@ -529,7 +529,7 @@ class AcousticFitter {
     report.iterations = iterations_;
     if (!settled_) {
       report.termination += fmt::format("; beam, pulse or poses still moved after {} rounds of tracing",
-                                        poses_.empty() ? kRounds : options_.joint_steps);
+                                        poses_.empty() ? kJointRounds : options_.joint_steps);
     }
     return result;
   }

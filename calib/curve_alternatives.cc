@@ -37,8 +37,8 @@ constexpr double kMinReach = 0.3;
 // If a profile rises by less than this fraction of the parabola's rise, no standard error describes it.
 constexpr double kMinRise = 0.3;
 
-constexpr int kMembers = 6;
-using Curve = std::array<double, kMembers>;  // A, B, C, D, E, F
+constexpr int kGsabMembers = 6;
+using Curve = std::array<double, kGsabMembers>;  // A, B, C, D, E, F
 
 // Half-width of the Gaussian nearest to cos^d, and the exponent of the cosine nearest to a Gaussian.
 double WidthOfExponent(double d) {
@@ -145,12 +145,12 @@ class Search {
  private:
   std::vector<MaterialEntries> Materials() const {
     std::vector<MaterialEntries> materials;
-    for (std::size_t i = 0; i + kMembers <= catalog_.size(); ++i) {
+    for (std::size_t i = 0; i + kGsabMembers <= catalog_.size(); ++i) {
       if (catalog_[i].group != ParameterGroup::kGsab || catalog_[i].index != 0) continue;
       MaterialEntries material{
           .material = catalog_[i].material, .first = static_cast<int>(i), .free = {}, .inside = {}};
       const auto is_of = [&](int entry) {
-        return entry >= material.first && entry < material.first + kMembers;
+        return entry >= material.first && entry < material.first + kGsabMembers;
       };
       std::copy_if(point_.free.begin(), point_.free.end(), std::back_inserter(material.free), is_of);
       for (std::size_t k = 0; k < point_.interior.size(); ++k) {
@@ -243,7 +243,7 @@ class Search {
                     std::vector<bool>& open, std::vector<BetterOptimum>& better) const {
     if (material.free.size() < 2) return;
     Curve curve{};
-    std::copy_n(point_.values.begin() + material.first, kMembers, curve.begin());
+    std::copy_n(point_.values.begin() + material.first, kGsabMembers, curve.begin());
     std::vector<Curve> starts = Exchanged(curve);
     for (int shape = 1; shape <= kStartShapeCount; ++shape)
       starts.push_back(AtLevelOf(curve, StartCurve(shape)));
@@ -344,7 +344,7 @@ CurveAlternatives FindCurveAlternatives(const FrameModel& model, const std::vect
 bool OrderGaussians(const std::vector<CatalogEntry>& catalog, const std::vector<bool>& free,
                     ParameterValues& values) {
   bool exchanged = false;
-  for (std::size_t a = 0; a + kMembers <= catalog.size(); ++a) {
+  for (std::size_t a = 0; a + kGsabMembers <= catalog.size(); ++a) {
     if (catalog[a].group != ParameterGroup::kGsab || catalog[a].index != 0) continue;
     const std::size_t b = a + 1;
     const std::size_t e = a + 4;

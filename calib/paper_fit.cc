@@ -22,7 +22,7 @@ constexpr int kNoiseRounds = 3;
 constexpr double kCertainNats = 10.0;
 // Two results of a search are different optima if the RMS difference of their images exceeds this fraction of
 // full scale.
-constexpr double kOtherImage = 0.01;
+constexpr double kOtherPaperImage = 0.01;
 
 // Returns true if another round would change no value by as much as its standard error.
 bool AreAlike(const PaperNoise& a, const PaperNoise& b) {
@@ -46,7 +46,7 @@ class PaperFitter {
     if (ends_.empty() || options_.rough) return ends_.empty() ? last_ : ends_.front();
     ModelFit fit = Settle(ends_.front(), coarse);
     if (!fit.usable) return fit;
-    if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherImage)
+    if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherPaperImage)
       TrySecondBest(coarse, fit);
     Complete(fit);
     return fit;

@@ -66,6 +66,13 @@ function(sonarcal_optimise_little target)
   target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
 endfunction()
 
+# sonarcal_unify(TARGET): compiles several sources of the target at a time, where SONARCAL_UNITY is on. Each of them
+# instantiates the same templates, of Eigen, JSON and GoogleTest, which then are compiled once. Sources of a target must
+# not define the same name twice, not even in unnamed namespaces.
+function(sonarcal_unify target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SONARCAL_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+endfunction()
+
 # sonarcal_vectorise(SOURCE): loops over arrays, which the compiler turns into vector instructions.
 #
 # Not by -ffast-math: infinities and NaN keep their meaning, and no reciprocal or root is an estimate, which
@@ -88,6 +95,7 @@ function(sonarcal_add_test name)
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} sonarcal_test_support sonarcal_test_main)
   sonarcal_compile_options(${name})
   sonarcal_optimise_little(${name})
+  sonarcal_unify(${name})
   target_precompile_headers(${name} REUSE_FROM sonarcal_test_headers)
   set(time_limit_s 3000)
   if(SONARCAL_SANITIZERS)

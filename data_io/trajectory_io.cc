@@ -19,7 +19,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr std::size_t kMaxBytes = 1 << 30;
+constexpr std::size_t kMaxTrajectoryBytes = 1 << 30;
 
 struct Line {
   int number = 0;  // starts at 1
@@ -183,7 +183,7 @@ TrajectoryFormat GuessTrajectoryFormat(const std::filesystem::path& file) {
 }
 
 std::vector<TrajectoryPose> ReadTrajectory(const std::filesystem::path& file, TrajectoryFormat format) {
-  const std::string bytes = ReadFileBytes(file, kMaxBytes);
+  const std::string bytes = ReadFileBytes(file, kMaxTrajectoryBytes);
   const std::string name = file.string();
   std::vector<Line> lines = LinesOf(bytes);
   Columns columns;

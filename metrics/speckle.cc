@@ -10,7 +10,7 @@ namespace sonarcal::metrics {
 namespace {
 
 constexpr int kBlockPixels = kSpeckleBlockBins * kSpeckleBlockBeams;
-constexpr double kRounding = 1e-12;  // relative variance of a block with equal pixels
+constexpr double kBlockRounding = 1e-12;  // relative variance of a block with equal pixels
 constexpr double kMaxClipped = 0.02 * kBlockPixels;
 
 Grid<double> Power(const Grid<float>& value, const ImageScale& scale) {
@@ -53,7 +53,7 @@ void AddBlock(const Grid<double>& power, int first_bin, int first_beam, SpeckleS
   }
   const double variance = square / (kBlockPixels - 1);
   ++sums.blocks;
-  if (variance < kRounding) return;
+  if (variance < kBlockRounding) return;
   sums.relative_variance += variance;
   // Subtracting the block's own mean lowers every covariance by the variance of that mean.
   const double of_mean = variance / kBlockPixels;

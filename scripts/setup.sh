@@ -135,7 +135,7 @@ configure_and_build() {
   # tests, because other flags would build the program again.
   local warnings_fail
   warnings_fail="$([[ -n "${CI:-}" ]] && echo ON || echo OFF)"
-  local options=("-DSONARCAL_BUILD_TESTS=$tests_on" "-DSONARCAL_WARNINGS_AS_ERRORS=$warnings_fail")
+  local options=("-DSONARCAL_BUILD_TESTS=$tests_on" "-DSONARCAL_WARNINGS_AS_ERRORS=$warnings_fail" -DSONARCAL_UNITY=ON)
   if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
   (cd "$root" && quietly "Configuring build/" cmake --preset release "${options[@]}") ||
     fail "cmake cannot configure the project, its last lines are above"

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kFormat = "sonarcal-batch/1";
+constexpr std::string_view kPlanFormat = "sonarcal-batch/1";
 constexpr std::array<std::string_view, 4> kCommands = {"simulate", "compare", "fit", "calibrate"};
 constexpr std::array<std::string_view, 8> kOwnOptions = {"out",     "resume", "json",    "quiet",
                                                          "verbose", "log",    "options", "help"};
@@ -190,7 +190,7 @@ class Reader {
   }
 
   BatchPlan Read() {
-    json_.CheckFormat(kFormat);
+    json_.CheckFormat(kPlanFormat);
     const data_io::JsonReader entries = json_.At("entries");
     for (const data_io::JsonReader& entry : entries.Items()) AddEntry(entry);
     json_.Finish();

@@ -10,7 +10,7 @@ namespace sonarcal::cli {
 namespace {
 
 constexpr std::size_t kColumnWidth = 30;
-constexpr std::size_t kLineWidth = 100;
+constexpr std::size_t kHelpWidth = 100;
 
 // Appends `text` from column kColumnWidth on, with line breaks between words.
 void AppendWrapped(std::string& out, const std::string& text, std::size_t column) {
@@ -22,7 +22,7 @@ void AppendWrapped(std::string& out, const std::string& text, std::size_t column
   column = kColumnWidth;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
-    if (column + word.size() > kLineWidth) {
+    if (column + word.size() > kHelpWidth) {
       out.back() = '\n';
       out.append(kColumnWidth, ' ');
       column = kColumnWidth;

@@ -16,7 +16,7 @@
 namespace sonarcal::reproduce {
 namespace {
 
-std::string Figure(const metrics::Statistic& statistic, int digits) {
+std::string FigureText(const metrics::Statistic& statistic, int digits) {
   return statistic.value ? fmt::format("{:.{}f}", *statistic.value, digits) : "none";
 }
 
@@ -117,14 +117,15 @@ report::Table RowTable(const std::vector<SummaryRow>& rows, const std::string& c
                       .notes = std::move(notes)};
   for (const SummaryRow& row : rows) {
     const metrics::ViewSummary& view = row.metrics->aggregate.macro.polar;
-    table.rows.push_back({{row.name, Figure(view.At("ns_over_nr"), 2), Figure(view.At("na_over_ns"), 2),
-                           Figure(view.At("na_over_nr"), 2), Figure(view.At("iou"), 2),
-                           Figure(view.Over(metrics::IntensityDomain::kUnion).mean_absolute, 3),
-                           Figure(view.Over(metrics::IntensityDomain::kOverlap).mean_absolute, 3),
-                           Figure(view.Over(metrics::IntensityDomain::kWhole).mean_absolute, 3)},
-                          row.muted    ? report::RowStyle::kMuted
-                          : row.strong ? report::RowStyle::kStrong
-                                       : report::RowStyle::kPlain});
+    table.rows.push_back(
+        {{row.name, FigureText(view.At("ns_over_nr"), 2), FigureText(view.At("na_over_ns"), 2),
+          FigureText(view.At("na_over_nr"), 2), FigureText(view.At("iou"), 2),
+          FigureText(view.Over(metrics::IntensityDomain::kUnion).mean_absolute, 3),
+          FigureText(view.Over(metrics::IntensityDomain::kOverlap).mean_absolute, 3),
+          FigureText(view.Over(metrics::IntensityDomain::kWhole).mean_absolute, 3)},
+         row.muted    ? report::RowStyle::kMuted
+         : row.strong ? report::RowStyle::kStrong
+                      : report::RowStyle::kPlain});
   }
   return table;
 }

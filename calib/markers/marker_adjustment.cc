@@ -17,7 +17,7 @@ namespace {
 
 using Block = std::array<double, 6>;
 
-constexpr int kRounds = 4;  // of poses and noise in turn; the factor is then constant to 1/1000
+constexpr int kNoiseRounds = 4;  // of poses and noise in turn; the factor is then constant to 1/1000
 
 // Offset of a marker from its place in the map, in standard deviations.
 struct MapPrior {
@@ -51,7 +51,7 @@ class Adjuster {
   }
 
   Adjustment Run(double noise_factor2) {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kNoiseRounds; ++round) {
       Build(noise_factor2);
       Solve();
       noise_factor2 = NewFactor(noise_factor2);

@@ -19,14 +19,14 @@ namespace {
 // its floor.
 constexpr double kTaperMeanPrecision = 1e8;
 // Convergence: remaining gain in nats. No parameter is then further than 0.05 sigma from the optimum.
-constexpr double kConverged = 1e-3;
+constexpr double kNoiseConverged = 1e-3;
 // Alternative: total gain of the last steps in nats. For a likelihood that is not quadratic, such as that of
 // beams with interference, which no law with one speckle describes.
 constexpr double kGainedLittle = 0.02;
 constexpr int kLastSteps = 4;
 constexpr double kMaxStepDb = 6.0;
 constexpr double kDiffuseLogitSpread = 2.0;  // prior standard deviation of the logit of the diffuse share
-constexpr double kMaxDamping = 1e8;
+constexpr double kMaxNoiseDamping = 1e8;
 constexpr double kFreeDamping = 1e-2;  // up to here, damping is not the cause of a short step
 // Min curvature for damping, as a fraction of the largest diagonal element.
 constexpr double kLeastCurvature = 1e-8;
@@ -406,7 +406,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
       break;
     }
     const std::optional<Eigen::VectorXd> step = Step(information, curvature, score, damping);
-    if (step && damping <= kFreeDamping && 0.5 * score.dot(*step) < kConverged) {
+    if (step && damping <= kFreeDamping && 0.5 * score.dot(*step) < kNoiseConverged) {
       solution.converged = true;
       break;
     }
@@ -428,7 +428,7 @@ NoiseSolution SolveNoise(const NoiseLaw& start, bool fit_span, const NoiseCounts
       }
     }
     damping = better ? std::max(1e-6, damping * 0.1) : std::max(1e-4, damping * 10.0);
-    if (damping > kMaxDamping) break;
+    if (damping > kMaxNoiseDamping) break;
   }
   at_best = evaluate(best, true);
   solution.cost = at_best.cost;

@@ -17,7 +17,7 @@ constexpr int kMaxClasses = 512;
 constexpr int kMaxNodes = 600;
 constexpr std::size_t kChunk = 2048;  // pixels; fixed, so that sums do not depend on the number of threads
 constexpr double kShapeStepDb = 0.5;  // noise shapes are rounded to it
-constexpr double kLeastChance = 1e-12;
+constexpr double kLeastStillChance = 1e-12;
 constexpr float kNegligibleLog = -25.0F;
 constexpr int kIterations = 40;
 
@@ -92,7 +92,8 @@ std::vector<std::vector<float>> StillLikelihood::LogTables(double noise_db) cons
     for (int c = 0; c < classes_.count(); ++c) {
       const double up_to =
           c + 1 < classes_.count() ? sim::FrozenPowerCdf(looks_, echo, edges[c] / noise) : 1.0;
-      tables[shape][c * nodes + node] = static_cast<float>(std::log(std::max(up_to - below, kLeastChance)));
+      tables[shape][c * nodes + node] =
+          static_cast<float>(std::log(std::max(up_to - below, kLeastStillChance)));
       below = up_to;
     }
   });

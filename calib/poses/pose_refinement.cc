@@ -14,7 +14,7 @@ namespace sonarcal::calib {
 namespace {
 
 constexpr int kStepsOfSlopes = 3;
-constexpr double kFirstDamping = 1e-3;
+constexpr double kFirstRefinementDamping = 1e-3;
 // Fall of the cost that ends a stage: 1/100 of the effect of noise on one parameter.
 constexpr double kSettled = 0.005;
 
@@ -47,7 +47,7 @@ double TryAlongRidge(const PoseProblem& problem, const PoseProblem::Slopes& slop
   const ParameterValues from = state.values;
   for (const double jump : {-0.6, -0.3, -0.15, 0.15, 0.3, 0.6}) {
     PoseProblem::State trial = problem.At(problem.MovedEntries(from, jump * ridge));
-    double damping = kFirstDamping;
+    double damping = kFirstRefinementDamping;
     problem.Step(slopes, damping, trial);
     if (trial.cost < state.cost) state = std::move(trial);
   }
@@ -58,7 +58,7 @@ double TryAlongRidge(const PoseProblem& problem, const PoseProblem::Slopes& slop
 double Solve(const PoseProblem& problem, int slope_rounds, bool along_ridge, ParameterValues& values) {
   PoseProblem::State state = problem.At(values);
   const double cost_initial = state.cost;
-  double damping = kFirstDamping;
+  double damping = kFirstRefinementDamping;
   for (int round = 0; round < slope_rounds; ++round) {
     const PoseProblem::Slopes slopes = problem.SlopesAt(state.values);
     double fall = along_ridge && round == 0 ? TryAlongRidge(problem, slopes, state) : 0.0;

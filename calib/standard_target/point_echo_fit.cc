@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kSensitivityPriorDb = 10.0;  // keeps the mean in place; the result has mean 0
 constexpr double kLeastSpreadDb = 0.005;
-constexpr int kRounds = 12;
+constexpr int kTargetRounds = 12;
 constexpr double kTaperBeyond = 0.3;
 
 // Groups of the window's beams, each once.
@@ -383,7 +383,7 @@ PointEchoSolution FitPointEcho(const PointEchoData& data, const PointEchoFree& f
   state.group_db.resize(data.groups, 0.0);
   if (data.windows.size() < 3) state.level_spread_db = 0.0;
   state.iterations = 0;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kTargetRounds; ++round) {
     const PointEcho before = state.echo;
     const double spread_before = state.level_spread_db;
     ceres::Solver::Summary summary = Solve(data, free, state);

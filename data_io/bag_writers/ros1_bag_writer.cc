@@ -12,7 +12,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr double kMaxS = 4294967295.0;  // largest time of ROS 1
+constexpr double kMaxRos1S = 4294967295.0;  // largest time of ROS 1
 
 Ros1Connection ImageConnection() {
   return {kImageTopic, kProjectedSonarImageType, kProjectedSonarImageMd5, kProjectedSonarImageText};
@@ -26,7 +26,7 @@ Ros1Connection PoseConnection() {
 
 void WriteRos1Bag(const RecordingSource& recording, const std::filesystem::path& file,
                   const std::function<void(int frames_done)>& progress) {
-  const std::vector<FrameTimes> times = FrameTimesOf(recording, kMaxS);
+  const std::vector<FrameTimes> times = FrameTimesOf(recording, kMaxRos1S);
   Ros1BagFile bag(file);
   const std::uint32_t images = bag.AddConnection(ImageConnection());
   std::optional<std::uint32_t> poses;  // once a frame has one

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 29;
+constexpr std::size_t kMaxImageBytes = std::size_t{1} << 29;
 
 bool IsPicture(const fs::path& file) {
   std::string end = file.extension().string();
@@ -28,13 +28,13 @@ bool IsPicture(const fs::path& file) {
   return std::ranges::count(kEnds, end) > 0;
 }
 
-bool IsDigit(char c) {
+bool IsNumeral(char c) {
   return c >= '0' && c <= '9';
 }
 
 bool IsPlainNumber(std::string_view name) {
-  if (name.empty() || !IsDigit(name.front()) || !IsDigit(name.back())) return false;
-  return std::ranges::all_of(name, [](char c) { return IsDigit(c) || c == '.'; }) &&
+  if (name.empty() || !IsNumeral(name.front()) || !IsNumeral(name.back())) return false;
+  return std::ranges::all_of(name, [](char c) { return IsNumeral(c) || c == '.'; }) &&
          std::ranges::count(name, '.') <= 1;
 }
 
@@ -69,7 +69,7 @@ double SecondsOf(std::string_view name, NameTimes unit, const fs::path& file) {
 }  // namespace
 
 Grid<std::uint8_t> ReadCameraImage(const fs::path& file) {
-  std::string bytes = ReadFileBytes(file, kMaxBytes);
+  std::string bytes = ReadFileBytes(file, kMaxImageBytes);
   if (IsJpeg(bytes)) return DecodeJpegGrey(bytes, file.string());
   const ImageFile image(std::move(bytes), file.string());
   if (image.header().channels == 1 && image.header().bits == 8) return image.DecodeGrey8();

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMaxDefinitionBytes = 16 << 20;  // schemas and channels
-constexpr std::uint64_t kIndexEntryBytes = 16;
+constexpr std::uint64_t kMcapIndexEntryBytes = 16;
 constexpr std::size_t kMaxNotes = 20;
 
 // CRC of the bytes of a file from `begin` to `end`.
@@ -270,14 +270,14 @@ class Scan {
     const ByteReader start = heads_.At(head.content_at, 6);
     const std::uint16_t channel = start.U16(0, "channel of a message index");
     const std::uint64_t bytes = start.U32(2, "length of a message index");
-    if (bytes + 6 > head.content_bytes || bytes % kIndexEntryBytes != 0) {
+    if (bytes + 6 > head.content_bytes || bytes % kMcapIndexEntryBytes != 0) {
       throw DataError("{}: {}, expected a multiple of {} and at most {}",
-                      start.Where(2, "length of a message index"), bytes, kIndexEntryBytes,
+                      start.Where(2, "length of a message index"), bytes, kMcapIndexEntryBytes,
                       head.content_bytes - std::min<std::uint64_t>(6, head.content_bytes));
     }
     const std::vector<std::byte> entries = ReadFileRange(file_, head.content_at + 6, bytes, "message index");
     const ByteReader reader(entries, name_, head.content_at + 6);
-    for (std::uint64_t at = 0; at < bytes; at += kIndexEntryBytes) {
+    for (std::uint64_t at = 0; at < bytes; at += kMcapIndexEntryBytes) {
       const std::uint64_t position = reader.U64(at + 8, "position of a message");
       if (position >= chunk.inflated_bytes) {
         throw DataError("{}: {}, expected less than the chunk's {} bytes",

@@ -13,7 +13,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr std::size_t kChunkBytes = 4 << 20;  // a chunk is closed when it has as many
+constexpr std::size_t kMcapChunkBytes = 4 << 20;  // a chunk is closed when it has as many
 constexpr const char* kCompression = "zstd";
 
 // Fields of a record in sequence.
@@ -93,7 +93,7 @@ void McapWriter::Write(std::uint16_t channel, std::int64_t time_ns, std::string_
   ++count;
   chunk_times_.Add(time);
   times_.Add(time);
-  if (chunk_.size() >= kChunkBytes) FlushChunk();
+  if (chunk_.size() >= kMcapChunkBytes) FlushChunk();
 }
 
 void McapWriter::AddMetadata(std::string_view name, const std::map<std::string, std::string>& values) {

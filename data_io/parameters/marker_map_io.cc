@@ -15,7 +15,7 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr std::string_view kFormat = "sonar-markers/1";
+constexpr std::string_view kMarkersFormat = "sonar-markers/1";
 constexpr std::size_t kMaxMarkers = 10'000;
 
 Marker ReadMarker(const JsonReader& json, const MarkerDictionary& dictionary) {
@@ -67,7 +67,7 @@ const MarkerDictionary* FindMarkerDictionary(std::string_view name) {
 
 MarkerMap ReadMarkerMap(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
-  json.CheckFormat(kFormat);
+  json.CheckFormat(kMarkersFormat);
   MarkerMap map;
   const JsonReader name = json.At("dictionary");
   map.dictionary = name.String();
@@ -105,7 +105,8 @@ void WriteMarkerMap(const std::filesystem::path& file, const MarkerMap& map) {
                        {"size_m", marker.size_m},
                        {"world_from_marker", PoseJson(marker.world_from_marker)}});
   }
-  nlohmann::ordered_json json = {{"format", kFormat}, {"dictionary", map.dictionary}, {"markers", markers}};
+  nlohmann::ordered_json json = {
+      {"format", kMarkersFormat}, {"dictionary", map.dictionary}, {"markers", markers}};
   if (map.sigma) {
     json["sigma"] = {{"position_m", map.sigma->position_m}, {"angle_deg", DegFromRad(map.sigma->angle_rad)}};
   }

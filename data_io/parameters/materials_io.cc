@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kFormat = "sonar-materials/1";
+constexpr std::string_view kMaterialsFormat = "sonar-materials/1";
 constexpr double kMaxFrequencyHz = 1e9;
 
 bool IsLogarithmic(const ParameterInfo& info) {
@@ -72,7 +72,7 @@ bool Has(const std::vector<NamedMaterial>& materials, const std::string& name) {
 
 std::vector<NamedMaterial> ReadMaterials(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
-  json.CheckFormat(kFormat);
+  json.CheckFormat(kMaterialsFormat);
   std::vector<NamedMaterial> materials;
   for (const auto& [name, member] : json.At("materials").Members()) {
     if (Has(BuiltInMaterials(), name)) member.Fail("has the name of a built-in material, expected another");
@@ -115,7 +115,7 @@ Json MaterialJson(const NamedMaterial& material) {
 }
 
 Json MaterialsJson(const std::vector<NamedMaterial>& materials) {
-  Json json = {{"format", kFormat}, {"materials", Json::object()}};
+  Json json = {{"format", kMaterialsFormat}, {"materials", Json::object()}};
   for (const NamedMaterial& material : materials) json["materials"][material.name] = MaterialJson(material);
   return json;
 }

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kFormat = "sonar-recording/1";
+constexpr std::string_view kRecordingFormat = "sonar-recording/1";
 constexpr const char* kTruthFile = "truth.json";
 // Words of the file. Messages use ToString, which returns "grey level".
 constexpr Words<Quantity, 4> kQuantities = {{{"grey", Quantity::kGrey},
@@ -274,12 +274,12 @@ Json FrameJson(const FrameInfo& frame, const SonarSettings& of_recording) {
 
 RecordingHeader ReadRecordingHeader(const fs::path& folder) {
   const JsonReader json = JsonReader::FromFile(folder / kRecordingFile);
-  json.CheckFormat(kFormat);
+  json.CheckFormat(kRecordingFormat);
 
   RecordingHeader header;
   RecordingInfo& info = header.info;
   info.source = folder.string();
-  info.format = kFormat;
+  info.format = kRecordingFormat;
   ReadTexts(json, info);
   ReadSonar(json.At("sonar"), info);
   ReadImage(json.At("image"), header);
@@ -317,14 +317,14 @@ void WriteSonarFile(const fs::path& file, const RecordingInfo& info) {
 
 Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {
   const RecordingInfo& info = header.info;
-  Json json = {{"format", kFormat}, {"sonar", SonarOfRecordingJson(info)}};
+  Json json = {{"format", kRecordingFormat}, {"sonar", SonarOfRecordingJson(info)}};
   if (info.water) json["water"] = WaterJson(*info.water);
   json["image"] = ImageJson(header);
   if (info.source_level_db) json["source_level_db"] = *info.source_level_db;
   if (info.scene_path) json["scene"] = fs::absolute(*info.scene_path).lexically_proximate(folder).string();
   if (info.synthetic) json["synthetic"] = true;
   for (const auto& [name, value] : info.details) json["details"].push_back(Json::array({name, value}));
-  if (!info.format.empty() && info.format != kFormat) {
+  if (!info.format.empty() && info.format != kRecordingFormat) {
     json["details"].push_back(Json::array({"original format", info.format}));
   }
   if (!info.notes.empty()) json["notes"] = info.notes;

@@ -16,8 +16,8 @@
 namespace sonarcal::data_io {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 80;
-constexpr std::size_t kFirstTriangleByte = kHeaderBytes + 4;
+constexpr std::size_t kStlHeaderBytes = 80;
+constexpr std::size_t kFirstTriangleByte = kStlHeaderBytes + 4;
 constexpr std::size_t kTriangleBytes = 50;  // normal, three corners, two bytes of attributes
 constexpr std::size_t kNormalBytes = 12;
 
@@ -101,7 +101,7 @@ std::vector<Eigen::Vector3f> BinaryCorners(std::string_view triangles) {
 std::vector<Eigen::Vector3f> ReadCorners(std::string_view bytes, const std::string& file) {
   if (bytes.size() >= kFirstTriangleByte) {
     std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + kHeaderBytes, sizeof(count));
+    std::memcpy(&count, bytes.data() + kStlHeaderBytes, sizeof(count));
     const std::size_t expected_bytes = kFirstTriangleByte + std::size_t{count} * kTriangleBytes;
     if (bytes.size() == expected_bytes) {
       RequireCount(count, file);

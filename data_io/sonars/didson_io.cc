@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr int kBeams = 96;
 constexpr int kMaxRangeBins = 1 << 16;
-constexpr double kMaxRangeM = 1000.0;
+constexpr double kMaxDidsonRangeM = 1000.0;
 
 // Time in the file name of a ping: only digits, at least as many as a time in seconds since 1970 has.
 std::optional<std::uint64_t> TimeInMicroseconds(const fs::path& file) {
@@ -77,8 +77,8 @@ struct Settings {
 Settings ReadSettings(const fs::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
   Settings settings;
-  settings.axes.range_min_m = json.At("min_range").Number(NumberRange::Between(0.0, kMaxRangeM));
-  settings.axes.range_max_m = json.At("max_range").Number(NumberRange::AboveUpTo(0.0, kMaxRangeM));
+  settings.axes.range_min_m = json.At("min_range").Number(NumberRange::Between(0.0, kMaxDidsonRangeM));
+  settings.axes.range_max_m = json.At("max_range").Number(NumberRange::AboveUpTo(0.0, kMaxDidsonRangeM));
   settings.axes.range_bins = static_cast<int>(json.At("num_bins").Integer(1, kMaxRangeBins));
   json.At("num_beams").Integer(kBeams, kBeams);
   settings.axes.beam_azimuth_rad = DidsonAzimuthsRad();

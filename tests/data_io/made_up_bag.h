@@ -8,6 +8,8 @@
 
 namespace sonarcal::testing {
 
+inline constexpr const char* kProjectedType = "marine_acoustic_msgs/ProjectedSonarImage";
+
 struct MadeUpMessage {
   std::string topic;
   std::string type;  // "package/Message"

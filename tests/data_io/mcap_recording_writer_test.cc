@@ -25,28 +25,29 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Json = nlohmann::json;
 
-constexpr int kBins = 40;
-constexpr int kBeams = 16;
+constexpr int kMcapBins = 40;
+constexpr int kMcapBeams = 16;
 
-MemoryRecording Recording(const ImageScale& scale, int frames = 3) {
+MemoryRecording McapRecording(const ImageScale& scale, int frames = 3) {
   RecordingInfo info;
   info.source = "made up";
   info.scale = scale;
-  info.sonar = {.name = "made up",
-                .frequency_hz = 1.2e6,
-                .axes = {.range_min_m = 1.0, .range_max_m = 3.0, .range_bins = kBins, .beam_azimuth_rad = {}},
-                .azimuth_beam_width_deg = 1.0,
-                .elevation_beam_width_deg = 20.0,
-                .sound_speed_m_per_s = 1480.0};
-  for (int beam = 0; beam < kBeams; ++beam)
+  info.sonar = {
+      .name = "made up",
+      .frequency_hz = 1.2e6,
+      .axes = {.range_min_m = 1.0, .range_max_m = 3.0, .range_bins = kMcapBins, .beam_azimuth_rad = {}},
+      .azimuth_beam_width_deg = 1.0,
+      .elevation_beam_width_deg = 20.0,
+      .sound_speed_m_per_s = 1480.0};
+  for (int beam = 0; beam < kMcapBeams; ++beam)
     info.sonar.axes.beam_azimuth_rad.push_back(RadFromDeg(2.0 * (beam - 7.5)));
   info.synthetic = true;
   std::vector<Frame> all;
   for (int i = 0; i < frames; ++i) {
     Frame frame{{.name = fmt::format("frame {}", i), .time_s = 100.25 + i, .world_from_sonar = {}},
-                {info.sonar.axes, scale, Grid<float>(kBins, kBeams)}};
-    for (int bin = 0; bin < kBins; ++bin) {
-      for (int beam = 0; beam < kBeams; ++beam) {
+                {info.sonar.axes, scale, Grid<float>(kMcapBins, kMcapBeams)}};
+    for (int bin = 0; bin < kMcapBins; ++bin) {
+      for (int beam = 0; beam < kMcapBeams; ++beam) {
         const double grey = (0.5 + bin + 3.0 * beam + i) / 120.0;
         frame.image.value(bin, beam) = static_cast<float>(
             scale.quantity == Quantity::kGrey ? std::floor(grey * scale.full_scale) : grey * 1e-3);
@@ -59,7 +60,7 @@ MemoryRecording Recording(const ImageScale& scale, int frames = 3) {
   return {std::move(info), std::move(all)};
 }
 
-ImageScale GreyUpTo(double full_scale) {
+ImageScale McapGreyUpTo(double full_scale) {
   ImageScale scale;
   scale.full_scale = full_scale;
   return scale;
@@ -95,8 +96,8 @@ class McapRecordingWriterTest : public ::testing::Test {
 TEST_F(McapRecordingWriterTest, OurReaderFindsTheSame) {
   ImageScale power;
   power.quantity = Quantity::kPower;
-  for (const ImageScale& scale : {GreyUpTo(255.0), GreyUpTo(65535.0), power}) {
-    const MemoryRecording recording = Recording(scale);
+  for (const ImageScale& scale : {McapGreyUpTo(255.0), McapGreyUpTo(65535.0), power}) {
+    const MemoryRecording recording = McapRecording(scale);
     const auto path = Write(recording);
     EXPECT_THAT(Bag::Open(path)->notes(), IsEmpty());
     const auto read = OpenRecording(path);
@@ -123,7 +124,7 @@ TEST_F(McapRecordingWriterTest, OurReaderFindsTheSame) {
 
 // Decodes every message by the definition in the file, to its last byte, as Foxglove does.
 TEST_F(McapRecordingWriterTest, AReaderOfDefinitionsFindsImageFanPoseAndScene) {
-  const MemoryRecording recording = Recording(GreyUpTo(255.0));
+  const MemoryRecording recording = McapRecording(McapGreyUpTo(255.0));
   const Scene scene = TwoTriangles();
   const auto mcap =
       testing::DecodeMcap(testing::ReadFile(Write(recording, {.scene = &scene, .fan_height_px = 50})));
@@ -134,14 +135,14 @@ TEST_F(McapRecordingWriterTest, AReaderOfDefinitionsFindsImageFanPoseAndScene) {
   EXPECT_EQ(projected[1].type, "marine_acoustic_msgs/msg/ProjectedSonarImage");
   EXPECT_EQ(projected[1].time_ns, 101'250'000'000U);
   EXPECT_EQ(projected[1].message.at("header").at("stamp"), Json({{"sec", 101}, {"nanosec", 250'000'000}}));
-  EXPECT_EQ(projected[1].message.at("image").at("data").at(5 * kBins + 7), image.value(7, 5));
+  EXPECT_EQ(projected[1].message.at("image").at("data").at(5 * kMcapBins + 7), image.value(7, 5));
   const auto polar = Of(mcap, "/sonar/polar");
   ASSERT_EQ(polar.size(), 3U);
   EXPECT_EQ(polar[1].type, "sensor_msgs/msg/Image");
   EXPECT_EQ(polar[1].message.at("encoding"), "mono8");
-  EXPECT_EQ(polar[1].message.at("height"), kBins);
-  EXPECT_EQ(polar[1].message.at("step"), kBeams);
-  EXPECT_EQ(polar[1].message.at("data").at((kBins - 1 - 7) * kBeams + 5), image.value(7, 5));
+  EXPECT_EQ(polar[1].message.at("height"), kMcapBins);
+  EXPECT_EQ(polar[1].message.at("step"), kMcapBeams);
+  EXPECT_EQ(polar[1].message.at("data").at((kMcapBins - 1 - 7) * kMcapBeams + 5), image.value(7, 5));
   const auto fan = Of(mcap, "/sonar/fan");
   ASSERT_EQ(fan.size(), 3U);
   EXPECT_EQ(fan[0].message.at("height"), 50);
@@ -181,9 +182,9 @@ TEST_F(McapRecordingWriterTest, ACalibratedSonarIsWrittenAsSonarInfo) {
   calibration.parameters.display = {.db_min = 60.0, .db_max = 120.0};
   calibration.parameters.receiver.time_varied_gain = TimeVariedGain::k40LogRAndAbsorption;
   calibration.parameters.pulse.length_m = 0.0148;
-  for (int beam = 0; beam < kBeams; ++beam)
+  for (int beam = 0; beam < kMcapBeams; ++beam)
     calibration.parameters.beam.sensitivity_db.push_back(-0.5 * std::abs(beam - 7.5));
-  const MemoryRecording recording = Recording(GreyUpTo(255.0), 25);
+  const MemoryRecording recording = McapRecording(McapGreyUpTo(255.0), 25);
   const auto path = Write(recording, {.calibration = calibration});
   const auto infos = Of(testing::DecodeMcap(testing::ReadFile(path)), "/sonar/sonar_info");
   ASSERT_EQ(infos.size(), 3U);  // at 0, 10 and 20 s
@@ -226,7 +227,7 @@ TEST_F(McapRecordingWriterTest, AbsoluteLevelsOfSonarInfoDoNotContainTheGain) {
   calibration.parameters.source_level_db = 190.0;
   calibration.parameters.display = {.db_min = 60.0, .db_max = 120.0};
   calibration.parameters.receiver.gain_db = 20.0;
-  const auto path = Write(Recording(GreyUpTo(255.0)), {.calibration = calibration});
+  const auto path = Write(McapRecording(McapGreyUpTo(255.0)), {.calibration = calibration});
   const auto infos = Of(testing::DecodeMcap(testing::ReadFile(path)), "/sonar/sonar_info");
   ASSERT_EQ(infos.size(), 1U);
   EXPECT_EQ(infos[0].message.at("intensity_reference"), 2);
@@ -236,7 +237,7 @@ TEST_F(McapRecordingWriterTest, AbsoluteLevelsOfSonarInfoDoNotContainTheGain) {
 }
 
 TEST_F(McapRecordingWriterTest, APathThatIsNotUtf8IsReplaced) {
-  const MemoryRecording recording = Recording(GreyUpTo(255.0), 1);
+  const MemoryRecording recording = McapRecording(McapGreyUpTo(255.0), 1);
   RecordingInfo info = recording.info();
   info.scene_path = "/d\xe9p/tank.gltf";
   const auto mcap =
@@ -245,8 +246,8 @@ TEST_F(McapRecordingWriterTest, APathThatIsNotUtf8IsReplaced) {
 }
 
 TEST_F(McapRecordingWriterTest, UnknownValuesAreLeftOutOfSonarInfo) {
-  const auto unknown =
-      Of(testing::DecodeMcap(testing::ReadFile(Write(Recording(GreyUpTo(255.0))))), "/sonar/sonar_info");
+  const auto unknown = Of(testing::DecodeMcap(testing::ReadFile(Write(McapRecording(McapGreyUpTo(255.0))))),
+                          "/sonar/sonar_info");
   ASSERT_EQ(unknown.size(), 1U);
   const Json& message = unknown[0].message;
   for (const char* name : {"intensity_quantity", "intensity_scale", "intensity_reference", "scale",
@@ -259,10 +260,10 @@ TEST_F(McapRecordingWriterTest, UnknownValuesAreLeftOutOfSonarInfo) {
   }
   EXPECT_EQ(message.at("pulse_lengths"), Json::array());
   // Levels without a source level are relative.
-  ImageScale scale = GreyUpTo(255.0);
+  ImageScale scale = McapGreyUpTo(255.0);
   scale.db_min = 40.0;
   scale.db_max = 91.0;
-  const auto path = Write(Recording(scale));
+  const auto path = Write(McapRecording(scale));
   const auto relative = Of(testing::DecodeMcap(testing::ReadFile(path)), "/sonar/sonar_info");
   EXPECT_EQ(relative.at(0).message.at("intensity_reference"), 1);
   EXPECT_NEAR(*OpenRecording(path)->info().scale.db_span, 51.0, 1e-4);
@@ -270,7 +271,7 @@ TEST_F(McapRecordingWriterTest, UnknownValuesAreLeftOutOfSonarInfo) {
 }
 
 TEST_F(McapRecordingWriterTest, SettingsThatChangeAreWrittenAgainAndComeBack) {
-  const MemoryRecording recording = Recording(GreyUpTo(255.0), 4);
+  const MemoryRecording recording = McapRecording(McapGreyUpTo(255.0), 4);
   std::vector<Frame> frames;
   for (int i = 0; i < 4; ++i) {
     frames.push_back(recording.ReadFrame(i));
@@ -287,11 +288,11 @@ TEST_F(McapRecordingWriterTest, SettingsThatChangeAreWrittenAgainAndComeBack) {
 TEST_F(McapRecordingWriterTest, PowerHasNoFanAndRecordingsWithoutPosesHaveNone) {
   ImageScale power;
   power.quantity = Quantity::kPower;
-  std::vector<Frame> frames = {Recording(power).ReadFrame(0)};
+  std::vector<Frame> frames = {McapRecording(power).ReadFrame(0)};
   frames[0].info.world_from_sonar.reset();
   frames[0].info.time_s.reset();
   const auto mcap =
-      testing::DecodeMcap(testing::ReadFile(Write(MemoryRecording(Recording(power).info(), frames))));
+      testing::DecodeMcap(testing::ReadFile(Write(MemoryRecording(McapRecording(power).info(), frames))));
   EXPECT_THAT(Of(mcap, "/sonar/fan"), IsEmpty());
   EXPECT_THAT(Of(mcap, "/sonar/pose"), IsEmpty());
   EXPECT_THAT(Of(mcap, "/tf"), IsEmpty());
@@ -303,7 +304,7 @@ TEST_F(McapRecordingWriterTest, RecordingsThatDoNotFitAreRefused) {
   const auto refusal = [&](const RecordingInfo& info, std::vector<Frame> frames) {
     return testing::MessageOf([&] { Write(MemoryRecording(info, std::move(frames))); });
   };
-  const MemoryRecording recording = Recording(GreyUpTo(255.0));
+  const MemoryRecording recording = McapRecording(McapGreyUpTo(255.0));
   const std::vector<Frame> frames = {recording.ReadFrame(0), recording.ReadFrame(1)};
   std::vector<Frame> late = frames;
   late[1].info.time_s = 3e9;
@@ -315,7 +316,7 @@ TEST_F(McapRecordingWriterTest, RecordingsThatDoNotFitAreRefused) {
   std::vector<Frame> louder = frames;
   louder[1].image.scale.db_span = 40.0;
   EXPECT_THAT(refusal(recording.info(), louder), HasSubstr("frame 1 differs from the first in the scale"));
-  const MemoryRecording fractions = Recording(GreyUpTo(1.0), 1);
+  const MemoryRecording fractions = McapRecording(McapGreyUpTo(1.0), 1);
   EXPECT_THAT(refusal(fractions.info(), {fractions.ReadFrame(0)}),
               HasSubstr("full scale of the recording's grey values is 1, expected"));
   std::vector<Frame> twice = frames;

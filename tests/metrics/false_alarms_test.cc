@@ -14,19 +14,19 @@
 namespace sonarcal::metrics {
 namespace {
 
-constexpr double kSpanDb = 80.0;
+constexpr double kPingSpanDb = 80.0;
 constexpr double kMeanPower = 1e4;  // 40 dB above 0, in the middle of the display
-constexpr int kBins = 200;
-constexpr int kBeams = 96;
+constexpr int kPingBins = 200;
+constexpr int kPingBeams = 96;
 
 // Exponential power of one mean, shown over 80 dB without steps.
 PolarImage Ping(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::exponential_distribution<double> power;
-  PolarImage ping{testing::SmallAxes(kBins, kBeams), {}, Grid<float>(kBins, kBeams)};
+  PolarImage ping{testing::SmallAxes(kPingBins, kPingBeams), {}, Grid<float>(kPingBins, kPingBeams)};
   for (float& value : ping.value.values()) {
     const double level_db = 10.0 * std::log10(kMeanPower * power(random));
-    value = static_cast<float>(255.0 * std::clamp(level_db / kSpanDb, 0.0, 1.0));
+    value = static_cast<float>(255.0 * std::clamp(level_db / kPingSpanDb, 0.0, 1.0));
   }
   return ping;
 }
@@ -34,7 +34,7 @@ PolarImage Ping(std::uint64_t seed) {
 SegmentationOptions WithLaw() {
   SegmentationOptions options;
   options.background_law = std::make_shared<BackgroundLaw>(BackgroundLaw{
-      Grid<float>(kBins, kBeams, static_cast<float>(kMeanPower)), 1.0, LogDisplayPower(kSpanDb)});
+      Grid<float>(kPingBins, kPingBeams, static_cast<float>(kMeanPower)), 1.0, LogDisplayPower(kPingSpanDb)});
   return options;
 }
 
@@ -56,7 +56,7 @@ TEST(FalseAlarmsTest, StatedRatesAreRealisedWhereTheLawHolds) {
        {SegmentationMethod::kLikelihoodRatio, SegmentationMethod::kCaCfar, SegmentationMethod::kOsCfar}) {
     for (const double stated : {0.1, 0.01}) {
       const FalseAlarmRate rate = RateOf(rates, method, stated);
-      EXPECT_EQ(rate.pixels, 10 * kBins * kBeams);
+      EXPECT_EQ(rate.pixels, 10 * kPingBins * kPingBeams);
       const double sigma = std::sqrt(stated * (1.0 - stated) / static_cast<double>(rate.pixels));
       EXPECT_NEAR(rate.realised(), stated, 5.0 * sigma) << ToString(method);
       ASSERT_TRUE(rate.ci);
@@ -70,7 +70,7 @@ TEST(FalseAlarmsTest, StatedRatesAreRealisedWhereTheLawHolds) {
 TEST(FalseAlarmsTest, AFixedThresholdHasTheRateOfTheLaw) {
   SegmentationOptions options = WithLaw();
   options.blur_rows = options.blur_cols = 0.0;
-  options.threshold_fraction = 45.0 / kSpanDb;  // 5 dB above the mean
+  options.threshold_fraction = 45.0 / kPingSpanDb;  // 5 dB above the mean
   FalseAlarmCounter counter(options, {0.1});
   for (int i = 0; i < 5; ++i) counter.Add(Ping(i + 1), nullptr);
   const FalseAlarmRate rate = RateOf(counter.Rates(), SegmentationMethod::kFixedThreshold);
@@ -80,9 +80,9 @@ TEST(FalseAlarmsTest, AFixedThresholdHasTheRateOfTheLaw) {
 }
 
 TEST(FalseAlarmsTest, CountsThePixelsOfASegmentationWithoutTidyingInTheRegion) {
-  Mask region(kBins, kBeams);
+  Mask region(kPingBins, kPingBeams);
   for (int bin = 20; bin < 150; ++bin) {
-    for (int beam = 0; beam < kBeams; ++beam) region(bin, beam) = 1;
+    for (int beam = 0; beam < kPingBeams; ++beam) region(bin, beam) = 1;
   }
   SegmentationOptions options = WithLaw();
   options.sigma_count = 2.0;
@@ -94,7 +94,7 @@ TEST(FalseAlarmsTest, CountsThePixelsOfASegmentationWithoutTidyingInTheRegion) {
     options.method = rate.method;
     if (rate.stated) options.false_alarm_rate = *rate.stated;
     EXPECT_EQ(rate.alarms, CountSet(Segment(Ping(1), options, &region).object)) << ToString(rate.method);
-    EXPECT_EQ(rate.pixels, 130 * kBeams);
+    EXPECT_EQ(rate.pixels, 130 * kPingBeams);
     EXPECT_FALSE(rate.ci) << "one ping";
   }
 }

@@ -14,7 +14,7 @@ namespace sonarcal::testing {
 namespace {
 
 constexpr double kHalfAngleDeg = 15.126;  // of an ARIS 3000, as are its beams
-constexpr int kBeams = 128;
+constexpr int kMaskBeams = 128;
 constexpr double kPixelsPerBin = 2.0;
 constexpr int kBoxMarginPx = 10;
 constexpr int kLastObject = 10;
@@ -73,7 +73,7 @@ data_io::PictureGeometry GeometryOf(const Grid<float>& picture, const std::strin
   data_io::PictureGeometry geometry;
   geometry.half_angle_deg = kHalfAngleDeg;
   geometry.TakeFound(*fan);
-  geometry.beams = kBeams;
+  geometry.beams = kMaskBeams;
   geometry.range_bins = static_cast<int>(
       std::lround((geometry.fan->radius_max_px - geometry.fan->radius_min_px) / kPixelsPerBin));
   geometry.range_min_m = geometry.fan->radius_min_px / 100.0;

@@ -124,7 +124,7 @@ TEST(AzimuthImage, ATableMakesArcsAtTheTargetsRange) {
   }
 }
 
-Scene Floor() {
+Scene FloorBelow() {
   Scene scene;
   AddQuad(scene, {-20, -4, 0}, {40, 0, 0}, {0, 20, 0}, "floor");
   return scene;
@@ -134,7 +134,7 @@ Grid<float> FloorImage(const SonarModel& sonar, const ParameterSet& parameters,
                        const RayFanOptions& options) {
   const RayFan fan(sonar, options);
   const EchoList echoes =
-      Trace(RayCaster(Floor()), fan, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}}, sonar.axes);
+      Trace(RayCaster(FloorBelow()), fan, {Eigen::Quaterniond::Identity(), {0, 0, 0.5}}, sonar.axes);
   return ExpectedPower(MakeScatterMap(echoes, fan, {sonar, 0.3}, parameters), {sonar, 0.3}, parameters).value;
 }
 

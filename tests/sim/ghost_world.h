@@ -6,10 +6,10 @@
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_acoustic_model.h"
 #include "tests/sim/slow_paper_model.h"
+#include "tests/sim/water.h"
 
 namespace sonarcal::testing {
 
-inline constexpr double kAlphaDbPerM = 0.31;
 inline constexpr double kAzimuthWidthDeg = 1.6;
 inline constexpr double kElevationWidthDeg = 24.0;
 inline constexpr double kPulseM = 0.1;

@@ -18,16 +18,16 @@ namespace sonarcal::report {
 namespace {
 
 // Sizes in units of the drawing, which the page scales.
-constexpr double kPlotWidth = 220.0;
+constexpr double kSonarPlotWidth = 220.0;
 constexpr double kMaxPlotHeight = 300.0;
-constexpr double kLeft = 36.0;
-constexpr double kRight = 14.0;
-constexpr double kTop = 20.0;
-constexpr double kBottom = 38.0;
+constexpr double kSonarLeft = 36.0;
+constexpr double kSonarRight = 14.0;
+constexpr double kSonarTop = 20.0;
+constexpr double kSonarBottom = 38.0;
 constexpr double kBarHeight = 7.0;
 
 template <typename... Args>
-void Append(std::string& out, fmt::format_string<Args...> format, Args&&... args) {
+void AppendSvg(std::string& out, fmt::format_string<Args...> format, Args&&... args) {
   fmt::format_to(std::back_inserter(out), format, std::forward<Args>(args)...);
 }
 
@@ -120,7 +120,7 @@ double LeftOf(const PolarAxes& axes) {
   const double step = RangeStep(axes);
   for (const double range : TicksWithin(axes.range_min_m, axes.range_max_m, step))
     longest = std::max(longest, FormatNumber(range, DecimalsOf(step)).size());
-  return kLeft + kCharacter * static_cast<double>(longest - kShortText);
+  return kSonarLeft + kCharacter * static_cast<double>(longest - kShortText);
 }
 
 // Rings with their ranges, rays with their azimuths, and the outline.
@@ -132,10 +132,10 @@ std::string Axes(const PolarAxes& axes, SonarView view, const Size& size) {
   for (const double range : TicksWithin(axes.range_min_m, axes.range_max_m, range_step)) {
     lines += layout.Move('M', range, layout.first_rad()) + layout.Arc(range);
     const auto [x, y] = layout.At(range, layout.first_rad());
-    Append(texts,
-           R"svg(<text class="range" x="{:.1f}" y="{:.1f}" text-anchor="end" )svg"
-           R"svg(dy="0.35em">{} m</text>)svg",
-           x - 5.0, y, FormatNumber(range, DecimalsOf(range_step)));
+    AppendSvg(texts,
+              R"svg(<text class="range" x="{:.1f}" y="{:.1f}" text-anchor="end" )svg"
+              R"svg(dy="0.35em">{} m</text>)svg",
+              x - 5.0, y, FormatNumber(range, DecimalsOf(range_step)));
   }
   const double first_deg = DegFromRad(layout.first_rad());
   const double last_deg = DegFromRad(layout.last_rad());
@@ -147,12 +147,12 @@ std::string Axes(const PolarAxes& axes, SonarView view, const Size& size) {
     const bool is_fan = view == SonarView::kFan;
     const auto [x, y] = layout.At(is_fan ? axes.range_max_m : axes.range_min_m, azimuth_rad);
     constexpr double kApart = 9.0;
-    Append(texts,
-           R"svg(<text class="azimuth" x="{:.1f}" y="{:.1f}" text-anchor="middle" )svg"
-           R"svg(dy="0.35em">{}°</text>)svg",
-           is_fan ? x + kApart * std::sin(azimuth_rad) : x,
-           is_fan ? y - kApart * std::cos(azimuth_rad) : y - kApart,
-           FormatNumber(azimuth, DecimalsOf(azimuth_step)));
+    AppendSvg(texts,
+              R"svg(<text class="azimuth" x="{:.1f}" y="{:.1f}" text-anchor="middle" )svg"
+              R"svg(dy="0.35em">{}°</text>)svg",
+              is_fan ? x + kApart * std::sin(azimuth_rad) : x,
+              is_fan ? y - kApart * std::cos(azimuth_rad) : y - kApart,
+              FormatNumber(azimuth, DecimalsOf(azimuth_step)));
   }
   return fmt::format(R"svg(<path class="ring" d="{}"/><path class="edge" d="{}"/>{})svg", lines,
                      layout.Outline(), texts);
@@ -175,8 +175,8 @@ std::string Bar(std::string_view gradient, const std::array<std::string, 3>& tex
   constexpr std::array<std::string_view, 3> kAnchors = {"start", "middle", "end"};
   for (std::size_t i = 0; i < texts.size(); ++i) {
     if (texts[i].empty()) continue;
-    Append(svg, R"svg(<text x="{:.1f}" y="{}" text-anchor="{}">{}</text>)svg",
-           0.5 * width * static_cast<double>(i), kBarHeight + 11.0, kAnchors[i], EscapeHtml(texts[i]));
+    AppendSvg(svg, R"svg(<text x="{:.1f}" y="{}" text-anchor="{}">{}</text>)svg",
+              0.5 * width * static_cast<double>(i), kBarHeight + 11.0, kAnchors[i], EscapeHtml(texts[i]));
   }
   return svg;
 }
@@ -204,8 +204,8 @@ std::string Gradient(std::string_view name, std::span<const data_io::Rgb> colour
   std::string svg = fmt::format(R"svg(<linearGradient id="bar-{}">)svg", name);
   for (std::size_t i = 0; i < colours.size(); ++i) {
     const auto& [r, g, b] = colours[i];
-    Append(svg, R"svg(<stop offset="{:.4g}" stop-color="#{:02x}{:02x}{:02x}"/>)svg",
-           static_cast<double>(i) / static_cast<double>(colours.size() - 1), r, g, b);
+    AppendSvg(svg, R"svg(<stop offset="{:.4g}" stop-color="#{:02x}{:02x}{:02x}"/>)svg",
+              static_cast<double>(i) / static_cast<double>(colours.size() - 1), r, g, b);
   }
   return svg + "</linearGradient>";
 }
@@ -219,9 +219,9 @@ std::string TableFilter(std::string_view name, std::string_view before, std::str
       name, before);
   constexpr std::string_view kChannels = "RGB";
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    Append(svg, R"svg(<feFunc{} type="{}" tableValues=")svg", kChannels[channel], type);
+    AppendSvg(svg, R"svg(<feFunc{} type="{}" tableValues=")svg", kChannels[channel], type);
     for (std::size_t i = 0; i < colours.size(); ++i)
-      Append(svg, "{}{:.5g}", i > 0 ? " " : "", colours[i][channel] / 255.0);
+      AppendSvg(svg, "{}{:.5g}", i > 0 ? " " : "", colours[i][channel] / 255.0);
     svg += "\"/>";
   }
   return svg + "</feComponentTransfer></filter>";
@@ -239,20 +239,21 @@ std::string TintFilter(std::string_view name, double r, double g, double b) {
 
 std::string SonarPlotSvg(const SonarPlot& plot, const std::vector<StoredPicture>& pictures, int number,
                          std::string_view alt) {
-  const Size size = SizeWithin(plot.axes, plot.view, kPlotWidth, kMaxPlotHeight);
+  const Size size = SizeWithin(plot.axes, plot.view, kSonarPlotWidth, kMaxPlotHeight);
   const double left = LeftOf(plot.axes);
   std::string svg = fmt::format(
       R"svg(<svg class="sonar" viewBox="0 0 {:.1f} {:.1f}" role="img" aria-label="{}">)svg"
       R"svg(<clipPath id="clip-{}"><path d="{}"/></clipPath><g transform="translate({:.1f} {})">)svg"
       R"svg(<g clip-path="url(#clip-{})"><g{}>{}</g></g>{}</g>)svg",
-      left + kPlotWidth + kRight, kTop + size.height + kBottom, EscapeHtml(alt), number,
-      Layout(plot.axes, plot.view, size).Outline(), left + 0.5 * (kPlotWidth - size.width), kTop, number,
+      left + kSonarPlotWidth + kSonarRight, kSonarTop + size.height + kSonarBottom, EscapeHtml(alt), number,
+      Layout(plot.axes, plot.view, size).Outline(), left + 0.5 * (kSonarPlotWidth - size.width), kSonarTop,
+      number,
       plot.view == SonarView::kPolar || plot.colours == SonarColours::kRegions ? R"svg( class="crisp")svg"
                                                                                : "",
       Images(plot.colours, pictures, size), Axes(plot.axes, plot.view, size));
   if (std::ranges::any_of(plot.bar, [](const std::string& text) { return !text.empty(); })) {
-    Append(svg, R"svg(<g transform="translate({} {:.1f})">{}</g>)svg", left, kTop + size.height + 13.0,
-           Bar(GradientOf(plot.colours), plot.bar, kPlotWidth));
+    AppendSvg(svg, R"svg(<g transform="translate({} {:.1f})">{}</g>)svg", left,
+              kSonarTop + size.height + 13.0, Bar(GradientOf(plot.colours), plot.bar, kSonarPlotWidth));
   }
   return svg + "</svg>";
 }

@@ -9,7 +9,7 @@
 namespace sonarcal::report {
 namespace {
 
-constexpr std::string_view kMinus = "−";
+constexpr std::string_view kMinusSign = "−";
 constexpr std::string_view kAbsent = "–";
 
 using Replacements = std::vector<std::pair<std::string_view, std::string_view>>;
@@ -46,7 +46,7 @@ std::string Latex(std::string_view text) {
                                         {"<", "$<$"},
                                         {">", "$>$"},
                                         {"|", "$|$"},
-                                        {kMinus, "$-$"},
+                                        {kMinusSign, "$-$"},
                                         {kAbsent, "--"},
                                         {"±", "$\\pm$"},
                                         {"°", "$^\\circ$"},
@@ -69,7 +69,7 @@ std::string Markdown(std::string_view text) {
 
 std::string Csv(std::string_view text) {
   if (text == kAbsent) return {};
-  std::string plain = Replaced(text, {{kMinus, "-"}});
+  std::string plain = Replaced(text, {{kMinusSign, "-"}});
   if (plain.find_first_of(",\"\n\r") == std::string::npos) return plain;
   return fmt::format("\"{}\"", Replaced(plain, {{"\"", "\"\""}}));
 }

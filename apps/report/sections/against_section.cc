@@ -10,8 +10,8 @@
 namespace sonarcal::report {
 namespace {
 
-constexpr int kDecimals = 3;
-constexpr const char* kNoValue = "–";
+constexpr int kChangeDecimals = 3;
+constexpr const char* kNoChange = "–";
 
 const char* VerdictText(metrics::ChangeVerdict verdict) {
   switch (verdict) {
@@ -51,9 +51,9 @@ void AddAgainst(HtmlReport& report, const metrics::Against& against) {
         change.verdict == metrics::ChangeVerdict::kBetter || change.verdict == metrics::ChangeVerdict::kWorse;
     if (!change.headline && !told) continue;
     table.rows.push_back({{metrics::Figures()[metrics::FigureIndex(change.path)].label,
-                           change.fan ? "fan" : "polar", FormatNumber(change.earlier, kDecimals),
-                           FormatNumber(change.now, kDecimals), VerdictText(change.verdict),
-                           change.explained ? fmt::format("{:.0f}", 100.0 * *change.explained) : kNoValue},
+                           change.fan ? "fan" : "polar", FormatNumber(change.earlier, kChangeDecimals),
+                           FormatNumber(change.now, kChangeDecimals), VerdictText(change.verdict),
+                           change.explained ? fmt::format("{:.0f}", 100.0 * *change.explained) : kNoChange},
                           change.headline ? RowStyle::kStrong : RowStyle::kPlain});
   }
   report.Add(table);

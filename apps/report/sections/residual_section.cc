@@ -16,7 +16,7 @@
 namespace sonarcal::report {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 double Middle(const metrics::ResidualClass& of) {
   return of.to ? 0.5 * (*of.from + *of.to) : *of.from;
@@ -36,7 +36,7 @@ LineChart ResidualChart(const metrics::ResidualTable& table, const char* title, 
                                         std::pair{&absolute, of.sums.union_region.mean_absolute()},
                                         std::pair{&whole, of.sums.whole.bias()}}) {
       series->x.push_back(x);
-      series->y.push_back(value.value_or(kNaN));
+      series->y.push_back(value.value_or(kNoNumber));
     }
   }
   return {.title = title,
@@ -70,7 +70,7 @@ void AddMap(HtmlReport& report, const metrics::ResidualCollector& residuals, con
   std::vector<double> sizes;
   for (std::size_t i = 0; i < bias.size(); ++i) {
     const std::optional<double> of = map.cells.values()[i].whole.bias();
-    bias.values()[i] = static_cast<float>(of.value_or(kNaN));
+    bias.values()[i] = static_cast<float>(of.value_or(kNoNumber));
     if (of) sizes.push_back(std::abs(*of));
   }
   if (sizes.empty()) return;

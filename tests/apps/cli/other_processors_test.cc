@@ -116,7 +116,7 @@ TEST_P(OtherProcessor, ImagesAreEqualOrAFewLevelsOf65535Apart) {
       const Grid<float> other = there->ReadFrame(frame).image.value;
       const auto [darkest, brightest] = std::minmax_element(one.values().begin(), one.values().end());
       ASSERT_GT(*brightest - *darkest, 6000.0F);
-      // Without the same instructions, a ray at an edge, or at the border of a pixel, may fall to either side.
+      // With other instructions, a ray at an edge, or at the border of a pixel, may fall to either side.
       const bool same_bits = GetParam().same_bits;
       EXPECT_LE(ShareApart(one, other, same_bits ? 0.0F : kFewLevels), same_bits ? 0.0 : kMaxShareApart)
           << frame;

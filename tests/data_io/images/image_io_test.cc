@@ -43,7 +43,7 @@ void Decode(const std::string& bytes) {
   }
 }
 
-std::string RefusalOf(const std::string& bytes) {
+std::string RefusalOfImage(const std::string& bytes) {
   return MessageOf([&] { Decode(bytes); });
 }
 
@@ -150,9 +150,9 @@ TEST(ImageIoTest, ATiffWhoseValuesAreNoGreyIsRefused) {
   constexpr std::uint32_t kBlackIsZero = 1;
   constexpr std::uint32_t kPalette = 3;
   EXPECT_EQ(ImageFile(SmallTiff(kBlackIsZero), "x").DecodeGrey8()(1, 1), 3);
-  EXPECT_EQ(RefusalOf(SmallTiff(kPalette)),
+  EXPECT_EQ(RefusalOfImage(SmallTiff(kPalette)),
             "x: TIFF photometric interpretation 3, expected 1 (grey, 0 is black)");
-  EXPECT_THAT(RefusalOf(SmallTiff(kWhiteIsZero)), HasSubstr("photometric interpretation 0"));
+  EXPECT_THAT(RefusalOfImage(SmallTiff(kWhiteIsZero)), HasSubstr("photometric interpretation 0"));
 }
 
 // A palette is stored with 1 to 8 bits per pixel, so the file is smaller than its colours allow.
@@ -191,7 +191,7 @@ TEST(ImageIoTest, OtherFilesAreRefused) {
 TEST(ImageIoTest, APngThatEndsEarlyIsRefusedWhereverItIsCut) {
   const std::string bytes = Text(EncodePng(RandomGrid<std::uint8_t>(20, 20, 255)));
   for (std::size_t length = 0; length < bytes.size(); ++length) {
-    EXPECT_THAT(RefusalOf(bytes.substr(0, length)), StartsWith("x: "));
+    EXPECT_THAT(RefusalOfImage(bytes.substr(0, length)), StartsWith("x: "));
   }
 }
 
@@ -201,14 +201,14 @@ TEST(ImageIoTest, ATiffThatEndsEarlyIsRefusedWhereverItIsCut) {
   const std::string bytes = ReadFile(dir / "whole.tiff");
   constexpr std::size_t kEndOfDirectory = 4;  // says that no image follows; nobody misses it
   for (std::size_t length = 0; length + kEndOfDirectory < bytes.size(); ++length) {
-    EXPECT_THAT(RefusalOf(bytes.substr(0, length)), StartsWith("x: "));
+    EXPECT_THAT(RefusalOfImage(bytes.substr(0, length)), StartsWith("x: "));
   }
 }
 
 TEST(ImageIoTest, AWrongChecksumIsRefused) {
   std::string bytes = Text(EncodePng(RandomGrid<std::uint8_t>(20, 20, 255)));
   bytes[bytes.size() / 2] ^= 1;
-  EXPECT_THAT(RefusalOf(bytes), StartsWith("x: damaged PNG: "));
+  EXPECT_THAT(RefusalOfImage(bytes), StartsWith("x: damaged PNG: "));
 }
 
 TEST(ImageIoTest, AHeaderThatClaimsTooMuchIsRefusedBeforeDecoding) {
@@ -217,10 +217,10 @@ TEST(ImageIoTest, AHeaderThatClaimsTooMuchIsRefusedBeforeDecoding) {
     return std::string("\x89PNG\r\n\x1a\n") + BigEndian(13) + "IHDR" + BigEndian(size) + BigEndian(size) +
            std::string("\x08\0\0\0\0", 5) + checksum + BigEndian(0) + "IDAT" + "\x35\xaf\x06\x1e";
   };
-  EXPECT_THAT(RefusalOf(header(100'000, "\x8d\x39\x54\x14")),
+  EXPECT_THAT(RefusalOfImage(header(100'000, "\x8d\x39\x54\x14")),
               StartsWith("x: an image of 100000 x 100000 pixels, expected at most"));
   EXPECT_THAT(
-      RefusalOf(header(8000, "\x23\x9a\xf2\x28")),
+      RefusalOfImage(header(8000, "\x23\x9a\xf2\x28")),
       StartsWith("x: announces 8-bit grey, 8000 x 8000 pixels (rows x columns) but has only 45 bytes"));
 }
 

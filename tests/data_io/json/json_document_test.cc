@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using testing::MessageOf;
 using ::testing::StartsWith;
 
-std::string RefusalOf(const std::string& text) {
+std::string RefusalOfJson(const std::string& text) {
   return MessageOf([&] { ParseJson(text, "x.json"); });
 }
 
@@ -53,43 +53,43 @@ TEST(JsonDocumentTest, IntegersAreExactAndLargerOnesBecomeDoubles) {
 }
 
 TEST(JsonDocumentTest, ASyntaxErrorHasItsLine) {
-  EXPECT_THAT(RefusalOf("{\n\"a\": 1,\n\"b\" 2}"), StartsWith("x.json:3: not valid JSON: "));
-  EXPECT_THAT(RefusalOf(""), StartsWith("x.json:1: not valid JSON: "));
-  EXPECT_THAT(RefusalOf("{}\n{}"), StartsWith("x.json:2: not valid JSON: "));
-  EXPECT_THAT(RefusalOf("[1,\n2"), StartsWith("x.json:2: not valid JSON: "));
+  EXPECT_THAT(RefusalOfJson("{\n\"a\": 1,\n\"b\" 2}"), StartsWith("x.json:3: not valid JSON: "));
+  EXPECT_THAT(RefusalOfJson(""), StartsWith("x.json:1: not valid JSON: "));
+  EXPECT_THAT(RefusalOfJson("{}\n{}"), StartsWith("x.json:2: not valid JSON: "));
+  EXPECT_THAT(RefusalOfJson("[1,\n2"), StartsWith("x.json:2: not valid JSON: "));
 }
 
 TEST(JsonDocumentTest, NumbersThatAreNoneAreRefused) {
-  EXPECT_THAT(RefusalOf("[1,\n1e999]"), HasSubstr("x.json:2: not valid JSON: number overflow"));
-  EXPECT_THAT(RefusalOf("[NaN]"), HasSubstr("x.json:1: not valid JSON"));
-  EXPECT_THAT(RefusalOf("[-Infinity]"), HasSubstr("x.json:1: not valid JSON"));
+  EXPECT_THAT(RefusalOfJson("[1,\n1e999]"), HasSubstr("x.json:2: not valid JSON: number overflow"));
+  EXPECT_THAT(RefusalOfJson("[NaN]"), HasSubstr("x.json:1: not valid JSON"));
+  EXPECT_THAT(RefusalOfJson("[-Infinity]"), HasSubstr("x.json:1: not valid JSON"));
 }
 
 TEST(JsonDocumentTest, AKeyGivenTwiceIsRefusedWithBothLines) {
-  EXPECT_EQ(RefusalOf("{\"b\": 1,\n\"a\": 1,\n\"b\": 2}"),
+  EXPECT_EQ(RefusalOfJson("{\"b\": 1,\n\"a\": 1,\n\"b\": 2}"),
             "x.json:3: key 'b' is given twice, first in line 1; expected it once");
 }
 
 TEST(JsonDocumentTest, NestingDeeperThan64LevelsIsRefused) {
   const std::string deep(200'000, '[');
-  EXPECT_EQ(RefusalOf(deep), "x.json:1: nested 65 levels deep, expected at most 64");
+  EXPECT_EQ(RefusalOfJson(deep), "x.json:1: nested 65 levels deep, expected at most 64");
   EXPECT_NO_THROW(ParseJson(std::string(64, '[') + std::string(64, ']'), "x.json"));
 }
 
 TEST(JsonDocumentTest, TheNumberOfValuesIsLimited) {
   std::string many = "[0";
   for (std::size_t i = 0; i < kMaxJsonValues; ++i) many += ",0";
-  EXPECT_EQ(RefusalOf(many + "]"), "x.json:1: more than 2000000 values, expected fewer");
+  EXPECT_EQ(RefusalOfJson(many + "]"), "x.json:1: more than 2000000 values, expected fewer");
 }
 
 TEST(JsonDocumentTest, TextThatIsNotUtf8IsRefusedInPrintableWords) {
-  const std::string message = RefusalOf("[\"\xff\x1b[2J\"]");
+  const std::string message = RefusalOfJson("[\"\xff\x1b[2J\"]");
   EXPECT_THAT(message, StartsWith("x.json:1: not valid JSON: "));
   for (const char c : message) EXPECT_TRUE(c >= ' ' && c <= '~') << static_cast<int>(c);
 }
 
 TEST(JsonDocumentTest, AnErrorDoesNotRepeatALongFile) {
-  EXPECT_LT(RefusalOf("[\"" + std::string(100'000, 'a')).size(), 400u);
+  EXPECT_LT(RefusalOfJson("[\"" + std::string(100'000, 'a')).size(), 400u);
 }
 
 TEST(JsonDocumentTest, AbsentFilesAndFoldersAreRefused) {

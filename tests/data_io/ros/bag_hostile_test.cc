@@ -16,12 +16,12 @@ namespace sonarcal::data_io {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::kProjectedType;
 using testing::MadeUpMessage;
 using testing::MadeUpOculusPing;
 using testing::MadeUpProjected;
 using testing::Wire;
 
-constexpr const char* kProjectedType = "marine_acoustic_msgs/ProjectedSonarImage";
 constexpr std::size_t kBagHeaderEnd = 13 + 4096;
 
 std::vector<MadeUpMessage> Messages(Wire wire, int count) {

@@ -25,6 +25,7 @@ using ::testing::Contains;
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::kProjectedType;
 using testing::MadeUpMessage;
 using testing::MadeUpOculusPing;
 using testing::MadeUpProjected;
@@ -32,7 +33,6 @@ using ::testing::Not;
 using ::testing::Pair;
 using testing::Wire;
 
-constexpr const char* kProjectedType = "marine_acoustic_msgs/ProjectedSonarImage";
 constexpr const char* kOculusType = "sonar_oculus/OculusPing";
 
 class BagRecordingTest : public ::testing::Test {

@@ -18,11 +18,10 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::kProjectedType;
 using testing::MadeUpMessage;
 using testing::MadeUpProjected;
 using testing::Wire;
-
-constexpr const char* kProjectedType = "marine_acoustic_msgs/ProjectedSonarImage";
 
 std::vector<MadeUpMessage> Messages(int first, int count, bool compressed) {
   std::vector<MadeUpMessage> messages;

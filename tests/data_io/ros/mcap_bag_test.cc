@@ -19,6 +19,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::Each;
 using ::testing::HasSubstr;
+using testing::kProjectedType;
 using testing::MadeUpMcap;
 using testing::MadeUpMcapPlaces;
 using testing::MadeUpMessage;
@@ -27,7 +28,6 @@ using testing::MessageWriter;
 using ::testing::Not;
 using testing::Wire;
 
-constexpr const char* kProjectedType = "marine_acoustic_msgs/ProjectedSonarImage";
 constexpr std::size_t kMessageHeadBytes = 9 + 22;
 
 std::string U32(std::uint32_t value) {

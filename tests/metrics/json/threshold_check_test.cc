@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::string MessageOf(const std::string& text) {
+std::string MessageOfCheck(const std::string& text) {
   try {
     ParseThresholds({text});
   } catch (const UsageError& error) {
@@ -31,7 +31,7 @@ TEST(ThresholdCheckTest, ATextIsANameAndANumber) {
   EXPECT_EQ(thresholds[1].name, "a.b");
   EXPECT_EQ(thresholds[1].limit, 1000.0);
   for (const char* text : {"iou", "=1", "iou=", "iou=x", "iou=1x", "iou=nan", "iou=inf", ""}) {
-    EXPECT_THAT(MessageOf(text), HasSubstr("expected NAME=VALUE")) << text;
+    EXPECT_THAT(MessageOfCheck(text), HasSubstr("expected NAME=VALUE")) << text;
   }
 }
 

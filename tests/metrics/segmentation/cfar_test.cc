@@ -37,7 +37,7 @@ Grid<float> LogGrey(const Grid<float>& power, double counts_per_neper) {
   return grey;
 }
 
-double ShareAbove(const Grid<float>& decades, double rate) {
+double ShareAboveRate(const Grid<float>& decades, double rate) {
   const double limit = -std::log10(rate);
   const auto above = std::count_if(decades.values().begin(), decades.values().end(),
                                    [&](float value) { return value > limit; });
@@ -64,9 +64,9 @@ TEST(CfarTest, TheStatedRateHoldsOnExponentialAndGammaNoise) {
       SegmentationOptions options = Options(method);
       options.looks = looks;
       const Grid<float> decades = CfarDecadesInPower(Noise(1, looks), options);
-      EXPECT_NEAR(ShareAbove(decades, 1e-1), 1e-1, 4e-3) << ToString(method) << ", looks " << looks;
-      EXPECT_NEAR(ShareAbove(decades, 1e-2), 1e-2, 1.2e-3) << ToString(method) << ", looks " << looks;
-      EXPECT_NEAR(ShareAbove(decades, 1e-3), 1e-3, 4.5e-4) << ToString(method) << ", looks " << looks;
+      EXPECT_NEAR(ShareAboveRate(decades, 1e-1), 1e-1, 4e-3) << ToString(method) << ", looks " << looks;
+      EXPECT_NEAR(ShareAboveRate(decades, 1e-2), 1e-2, 1.2e-3) << ToString(method) << ", looks " << looks;
+      EXPECT_NEAR(ShareAboveRate(decades, 1e-3), 1e-3, 4.5e-4) << ToString(method) << ", looks " << looks;
     }
   }
 }
@@ -94,8 +94,8 @@ TEST(CfarTest, InGreyTheRateHoldsForALogarithmOfAnySlope) {
     options.training_rows = options.training_cols = 10;
     for (const double slope : {3.0, 40.0}) {
       const Grid<float> decades = CfarDecadesInGrey(LogGrey(Noise(3, 1.0), slope), 255.0, options);
-      EXPECT_NEAR(ShareAbove(decades, 1e-2), 1e-2, 1.5e-3) << ToString(method) << ", slope " << slope;
-      EXPECT_NEAR(ShareAbove(decades, 1e-3), 1e-3, 6e-4) << ToString(method) << ", slope " << slope;
+      EXPECT_NEAR(ShareAboveRate(decades, 1e-2), 1e-2, 1.5e-3) << ToString(method) << ", slope " << slope;
+      EXPECT_NEAR(ShareAboveRate(decades, 1e-3), 1e-3, 6e-4) << ToString(method) << ", slope " << slope;
     }
   }
 }

@@ -10,11 +10,12 @@
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/sonar_presets.h"
 #include "tests/sim/thread_limit.h"
+#include "tests/sim/water.h"
 
 namespace sonarcal::sim {
 namespace {
 
-constexpr double kAlphaDbPerM = 0.31;
+using testing::kAlphaDbPerM;
 
 struct Case {
   RayFanOptions fan;

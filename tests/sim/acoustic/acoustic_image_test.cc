@@ -11,13 +11,13 @@
 #include "tests/sim/slow_acoustic_model.h"
 #include "tests/sim/slow_paper_model.h"
 #include "tests/sim/thread_limit.h"
+#include "tests/sim/water.h"
 
 namespace sonarcal::sim {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
 
-constexpr double kAlphaDbPerM = 0.31;
 constexpr double kAzimuthWidthDeg = 1.2;
 constexpr double kElevationWidthDeg = 22.0;
 

@@ -19,7 +19,7 @@
 namespace sonarcal::sim {
 namespace {
 
-constexpr double kAlphaDbPerM = 0.21;
+constexpr double kSlopesAlphaDbPerM = 0.21;
 // Half the steps of differences: far less than a range bin and a beam.
 constexpr double kStepM = 0.003;
 constexpr double kStepRad = 0.1 * std::numbers::pi / 180.0;
@@ -53,11 +53,11 @@ class EchoSlopesTest : public ::testing::Test {
     return {sonar, options};
   }
   Grid<double> Image(const SonarModel& sonar, const RayFan& fan, const Pose& pose) const {
-    const AcousticGeometry geometry{sonar, kAlphaDbPerM};
+    const AcousticGeometry geometry{sonar, kSlopesAlphaDbPerM};
     return EchoPowerImage(CastScatterMap(caster_, fan, pose, geometry, parameters_), geometry, parameters_);
   }
   EchoSlopes Slopes(const RayFan& fan) const {
-    return SlopesAlongMoves(caster_, fan, pose_, {sonar_, kAlphaDbPerM}, parameters_);
+    return SlopesAlongMoves(caster_, fan, pose_, {sonar_, kSlopesAlphaDbPerM}, parameters_);
   }
 
   // How a slope relates to a difference: both over the power and a floor far below the brightest pixels.
@@ -132,7 +132,7 @@ TEST_F(EchoSlopesTest, AFloorThatSlidesInItselfChangesNothing) {
     const Pose pose{Turned(Eigen::Quaterniond::Identity(), {RadFromDeg(pitch_deg), 0.0, 0.0}),
                     {0.0, 0.0, 1.5}};
     const EchoSlopes slopes =
-        SlopesAlongMoves(caster, Fan(sonar_, 1), pose, {sonar_, kAlphaDbPerM}, parameters_);
+        SlopesAlongMoves(caster, Fan(sonar_, 1), pose, {sonar_, kSlopesAlphaDbPerM}, parameters_);
     const Eigen::Matrix3d sonar_from_world = pose.rotation.conjugate().toRotationMatrix();
     const double floor_power = 1e-3 * *std::ranges::max_element(slopes.power.values());
     // Root mean square of the slope along a world axis, as a share of the power.
@@ -173,7 +173,7 @@ class MovedPartTest : public EchoSlopesTest {
   void Expect(double raised_m, std::initializer_list<int> moves) {
     constexpr int kTimes = 6;
     const RayCaster caster(WithMockup({Eigen::Quaterniond::Identity(), {0.0, 0.0, raised_m}}));
-    const AcousticGeometry geometry{sonar_, kAlphaDbPerM};
+    const AcousticGeometry geometry{sonar_, kSlopesAlphaDbPerM};
     const EchoSlopes slopes = SlopesAlongMoves(caster, Fan(sonar_, 1), pose_, geometry, parameters_,
                                                {.count = 1, .of_triangle = Part()});
     ASSERT_EQ(slopes.of_part.size(), 1U);

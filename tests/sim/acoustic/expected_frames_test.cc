@@ -10,11 +10,13 @@
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/sonar_presets.h"
 #include "sim/simulator.h"
+#include "tests/sim/water.h"
 
 namespace sonarcal::sim {
 namespace {
 
-constexpr double kAlphaDbPerM = 0.31;
+using testing::kAlphaDbPerM;
+
 constexpr double kFullScale = 255.0;
 
 ParameterSet Parameters() {

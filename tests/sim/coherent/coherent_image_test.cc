@@ -14,13 +14,13 @@
 #include "tests/sim/meshes.h"
 #include "tests/sim/slow_paper_model.h"
 #include "tests/sim/thread_limit.h"
+#include "tests/sim/water.h"
 
 namespace sonarcal::sim {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of tests/sim
 
-constexpr double kAlphaDbPerM = 0.31;
 constexpr int kBins = 32;
 constexpr int kBeams = 28;
 

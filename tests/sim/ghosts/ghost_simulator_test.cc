@@ -104,8 +104,15 @@ TEST_F(TankWithMirrors, GhostsBrightenTheExpectedImageAndNeverDarkenIt) {
     brighter += with.values()[i] > without.values()[i] + 2.0F ? 1 : 0;
   }
   EXPECT_GT(brighter, 200);
-  EXPECT_EQ(simulator_.Render(pose_, parameters_).value,
-            simulator_.RenderEchoes(echoes, parameters_, 0, ghosts).value);
+  // As above, powers are equal to single precision, so a grey level may be rounded to its neighbour.
+  const Grid<float> in_one_pass = simulator_.Render(pose_, parameters_).value;
+  const Grid<float> of_echoes = simulator_.RenderEchoes(echoes, parameters_, 0, ghosts).value;
+  std::size_t rounded = 0;
+  for (std::size_t i = 0; i < of_echoes.size(); ++i) {
+    EXPECT_NEAR(in_one_pass.values()[i], of_echoes.values()[i], 1.0F) << i;
+    rounded += in_one_pass.values()[i] == of_echoes.values()[i] ? 0 : 1;
+  }
+  EXPECT_LT(rounded, of_echoes.size() / 100);
   for (auto& [name, mirror] : parameters_.mirrors) mirror.loss_db = 200.0;
   const Grid<float> lost = simulator_.RenderExpected(echoes, parameters_, ghosts).value;
   for (std::size_t i = 0; i < lost.size(); ++i) EXPECT_NEAR(lost.values()[i], without.values()[i], 1e-3);

@@ -20,21 +20,21 @@ Scene Tank() {
   return scene;
 }
 
-SonarModel TestSonar() {
+SonarModel HistogramSonar() {
   return MakeSonar({-12, -9, -7, -4, -2, 0, 1, 3, 6, 10}, 24.0, 1.5, 8.0, 130);
 }
 
 const Pose kPose{RotationFromYawPitchRoll(0.1, -0.1, 0.05), {0, 0, 1.1}};
 
 EchoList TankEchoes() {
-  const SonarModel sonar = TestSonar();
+  const SonarModel sonar = HistogramSonar();
   const RayFan fan(sonar, {.sampling = Sampling::kFrustum, .cols = 111, .rows = 80});
   return Trace(RayCaster(Tank()), fan, kPose, sonar.axes);
 }
 
 // Rays whose range or incidence rounds to the other side of a border belong to a neighbouring cell or node.
 TEST(EchoHistogram, CastInOnePassIsThatOfTheList) {
-  const SonarModel sonar = TestSonar();
+  const SonarModel sonar = HistogramSonar();
   const RayCaster caster(Tank());
   for (const RayFanOptions& options :
        {RayFanOptions{.sampling = Sampling::kFrustum, .cols = 111, .rows = 80},
@@ -71,7 +71,7 @@ TEST(EchoHistogram, CastInOnePassIsThatOfTheList) {
 // Everything the histogram keeps, counted again echo by echo.
 TEST(EchoHistogram, EveryCellEqualsARecountEchoByEcho) {
   const EchoList echoes = TankEchoes();
-  const PolarAxes axes = TestSonar().axes;
+  const PolarAxes axes = HistogramSonar().axes;
   const EchoHistogram histogram = GatherEchoes(echoes, axes);
   struct Recount {
     double weight = 0.0, log_range = 0.0, two_way = 0.0;
@@ -119,7 +119,7 @@ TEST(EchoHistogram, EveryCellEqualsARecountEchoByEcho) {
 
 TEST(EchoHistogram, WeightsSumToTheShareOfRaysThatCameBack) {
   const EchoList echoes = TankEchoes();
-  const EchoHistogram histogram = GatherEchoes(echoes, TestSonar().axes);
+  const EchoHistogram histogram = GatherEchoes(echoes, HistogramSonar().axes);
   std::vector<double> share(10, 0.0);
   for (const auto& cell : histogram.cells) share[cell.col] += cell.weight;
   std::vector<int> count(10, 0);
@@ -133,7 +133,7 @@ TEST(EchoHistogram, WeightsSumToTheShareOfRaysThatCameBack) {
 TEST(EchoHistogram, NoEchoesNoCells) {
   EchoList none;
   none.material_names = {"floor"};
-  const EchoHistogram histogram = GatherEchoes(none, TestSonar().axes);
+  const EchoHistogram histogram = GatherEchoes(none, HistogramSonar().axes);
   EXPECT_TRUE(histogram.cells.empty());
   EXPECT_EQ(histogram.row_start, std::vector<std::uint32_t>(130 * kRangeSteps + 1, 0));
 }
@@ -142,7 +142,7 @@ TEST(EchoHistogram, NoEchoesNoCells) {
 TEST(EchoHistogram, ShadingCastsNoRay) {
   SimulationOptions options;
   options.fan = {.sampling = Sampling::kBeams, .cols = 50, .rows = 40};
-  const Simulator simulator(Tank(), TestSonar(), options);
+  const Simulator simulator(Tank(), HistogramSonar(), options);
   const EchoList echoes = simulator.TraceEchoes(kPose);
   EXPECT_EQ(simulator.caster().rays_cast(), 50 * 40);
   ParameterSet parameters;

@@ -10,9 +10,12 @@
 #include "sim/scenes/scenes.h"
 #include "sim/scenes/sonar_presets.h"
 #include "tests/sim/thread_limit.h"
+#include "tests/sim/water.h"
 
 namespace sonarcal::sim {
 namespace {
+
+using testing::kAlphaDbPerM;
 
 struct Case {
   Sampling sampling = Sampling::kFrustum;
@@ -44,8 +47,6 @@ class PaperFrame : public ::testing::TestWithParam<Case> {
     return PaperParametersFor(set, caster.material_names());
   }
 };
-
-constexpr double kAlphaDbPerM = 0.31;
 
 TEST_P(PaperFrame, IsTheImageOfTheEchoes) {
   const RayCaster caster(MakeMockupTank());

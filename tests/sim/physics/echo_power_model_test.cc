@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAbsorptionDbPerM = 0.3;
 
-SonarModel Sonar() {
+SonarModel EchoSonar() {
   SonarModel sonar;
   sonar.axes = {1.0, 3.0, 8, {-0.1, 0.0, 0.1}};
   sonar.elevation_beam_width_deg = 14.0;
@@ -32,7 +32,7 @@ ParameterSet Parameters() {
 
 // 10^((SL + G - 40 log10 R - 2 alpha R) / 10) C cos^2 R^2 dOmega / cos el(phi), half a width off the axis.
 TEST(EchoPowerModelTest, EchoOfACosineLawInClosedForm) {
-  const SonarModel sonar = Sonar();
+  const SonarModel sonar = EchoSonar();
   const EchoPowerModel model({sonar, kAbsorptionDbPerM}, Parameters(), {"sand"});
   const double elevation_power = model.elevation().Power(RadFromDeg(7.0));
   EXPECT_NEAR(elevation_power, 0.5, 1e-12);
@@ -50,13 +50,13 @@ TEST(EchoPowerModelTest, InfiniteLossIsSilent) {
 }
 
 TEST(EchoPowerModelTest, AMaterialWithoutParametersIsRefused) {
-  const SonarModel sonar = Sonar();
+  const SonarModel sonar = EchoSonar();
   EXPECT_THROW(EchoPowerModel({sonar, 0.0}, Parameters(), {"mud"}), DataError);
 }
 
 // The mean of the middles of the rows that share an echo, by their parts, is the echo's range.
 TEST(FineRowsTest, KeepThePowerAndTheRangeOfAnEcho) {
-  const PolarAxes axes = Sonar().axes;
+  const PolarAxes axes = EchoSonar().axes;
   const FineRows rows(axes, 4, axes.range_bin_m());
   EXPECT_EQ(rows.count, 32);
   const double step_m = axes.range_bin_m() / 4;
@@ -76,8 +76,8 @@ TEST(FineRowsTest, KeepThePowerAndTheRangeOfAnEcho) {
 }
 
 TEST(FineRowsTest, OutsideOfTheWindowAnEchoKeepsItsShareOfTheOuterRowAlone) {
-  const FineRows rows(Sonar().axes, 4, Sonar().axes.range_bin_m());
-  const double step_m = Sonar().axes.range_bin_m() / 4;
+  const FineRows rows(EchoSonar().axes, 4, EchoSonar().axes.range_bin_m());
+  const double step_m = EchoSonar().axes.range_bin_m() / 4;
   const auto shares = [&](double range_m) {
     std::vector<double> by_row(static_cast<std::size_t>(rows.count), 0.0);
     rows.Share(range_m, 1.0, [&](int row, double part) { by_row.at(row) += part; });
@@ -93,8 +93,8 @@ TEST(FineRowsTest, OutsideOfTheWindowAnEchoKeepsItsShareOfTheOuterRowAlone) {
 // A patch of depth d is an even distribution over d: its variance is d^2 / 12, and sharing between rows adds
 // at most step^2 / 4.
 TEST(FineRowsTest, APatchIsSpreadOverItsDepth) {
-  const FineRows rows(Sonar().axes, 4, Sonar().axes.range_bin_m());
-  const double step_m = Sonar().axes.range_bin_m() / 4;
+  const FineRows rows(EchoSonar().axes, 4, EchoSonar().axes.range_bin_m());
+  const double step_m = EchoSonar().axes.range_bin_m() / 4;
   for (const double depth_m : {0.0, 0.1, 0.4, 0.9}) {
     double power = 0.0;
     double mean_m = 0.0;
@@ -114,8 +114,8 @@ TEST(FineRowsTest, APatchIsSpreadOverItsDepth) {
 }
 
 TEST(FineRowsTest, APatchAtTheEndOfTheWindowKeepsItsPower) {
-  const FineRows rows(Sonar().axes, 4, Sonar().axes.range_bin_m());
-  const double step_m = Sonar().axes.range_bin_m() / 4;
+  const FineRows rows(EchoSonar().axes, 4, EchoSonar().axes.range_bin_m());
+  const double step_m = EchoSonar().axes.range_bin_m() / 4;
   for (const double range_m : {1.0 + step_m, 3.0 - step_m}) {
     double power = 0.0;
     rows.Spread(range_m, 0.3, 5.0, [&](int row, double part) {
@@ -128,8 +128,8 @@ TEST(FineRowsTest, APatchAtTheEndOfTheWindowKeepsItsPower) {
 
 // 64 parts of 0.75 pulse lengths at most: a deeper patch is cut to 64 x 0.015 m around its middle.
 TEST(FineRowsTest, APatchIsSpreadOverSixtyFourPartsAtMost) {
-  const FineRows rows(Sonar().axes, 8, 0.02);
-  const double step_m = Sonar().axes.range_bin_m() / 8;
+  const FineRows rows(EchoSonar().axes, 8, 0.02);
+  const double step_m = EchoSonar().axes.range_bin_m() / 8;
   double nearest_m = 10.0;
   double farthest_m = 0.0;
   rows.Spread(2.0, 1.8, 1.0, [&](int row, double) {
@@ -144,7 +144,7 @@ TEST(FineRowsTest, APatchIsSpreadOverSixtyFourPartsAtMost) {
 // The far end must not be at twice the range of the near end. Otherwise a wrong sign at the near end moves a
 // part beyond the far end, and the reflection there brings it to the right place.
 TEST(FineRowsTest, PartsOutsideAreReflectedButAWholeEchoIsNot) {
-  PolarAxes axes = Sonar().axes;
+  PolarAxes axes = EchoSonar().axes;
   axes.range_min_m = 1.5;
   axes.range_max_m = 2.8;
   const FineRows rows(axes, 8, 0.02);

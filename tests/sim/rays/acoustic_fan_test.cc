@@ -29,7 +29,7 @@ SonarModel Sonar() {
   return sonar;
 }
 
-ParameterSet Parameters() {
+ParameterSet FanParameters() {
   ParameterSet p;
   p.model = EchoModel::kAcoustic;
   p.source_level_db = 120.0;
@@ -48,8 +48,8 @@ double TotalPower(const RayFanOptions& options, const Pose& pose) {
   }());
   const RayFan fan(sonar, options);
   const ScatterMap scatter =
-      MakeScatterMap(Trace(caster, fan, pose, sonar.axes), fan, {sonar, 0.3}, Parameters());
-  const PolarImage power = ExpectedPower(scatter, {sonar, 0.3}, Parameters());
+      MakeScatterMap(Trace(caster, fan, pose, sonar.axes), fan, {sonar, 0.3}, FanParameters());
+  const PolarImage power = ExpectedPower(scatter, {sonar, 0.3}, FanParameters());
   double sum = 0.0;
   for (const float value : power.value.values()) sum += value;
   return sum;
@@ -69,7 +69,7 @@ double Roughness(RayFanOptions options, const Eigen::Vector3d& axis) {
 }
 
 TEST(AcousticFan, DefaultFanStaggersColumnsAndRows) {
-  const RayFanOptions options = AcousticFanOptions(Sonar(), Parameters());
+  const RayFanOptions options = AcousticFanOptions(Sonar(), FanParameters());
   EXPECT_TRUE(options.stagger);
   EXPECT_TRUE(options.stagger_rows);
 }
@@ -78,7 +78,7 @@ TEST(AcousticFan, DefaultFanStaggersColumnsAndRows) {
 TEST(AcousticFan, AnUnknownElevationWidthIsRefusedIfItEndsTheFan) {
   SonarModel sonar = Sonar();
   sonar.elevation_beam_width_deg = 0.0;
-  ParameterSet parameters = Parameters();
+  ParameterSet parameters = FanParameters();
   EXPECT_THAT([&] { AcousticFanOptions(sonar, parameters); },
               ThrowsMessage<DataError>(HasSubstr("test sonar: elevation beam width unknown")));
   parameters.beam.elevation_width_deg = 12.0;

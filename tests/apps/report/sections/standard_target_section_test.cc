@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // A sphere in two frames, with a window of 3 x 3 pixels.
-HtmlReport ReportOf(bool is_synthetic) {
+HtmlReport ReportOfTarget(bool is_synthetic) {
   const std::vector<double> azimuth_rad = {-0.01, 0.0, 0.01};
   calib::StandardTargetFit fit;
   fit.frames = {{.frame = 0, .range_m = 3.1}, {.frame = 1, .range_m = 3.2}};
@@ -33,7 +33,7 @@ TEST(StandardTargetSection, ASyntheticSphereIsNotCalledRecorded) {
   for (const auto& [is_synthetic, word, caption, other] :
        {std::tuple{true, "synthetic", "Synthetic", "Recorded"},
         std::tuple{false, "recorded", "Recorded", "Synthetic"}}) {
-    const HtmlReport report = ReportOf(is_synthetic);
+    const HtmlReport report = ReportOfTarget(is_synthetic);
     const std::string html = report.Html();
     EXPECT_EQ(testing::HtmlFault(html), "");
     EXPECT_THAT(html, HasSubstr(std::string(caption) + " powers about the sphere"));
