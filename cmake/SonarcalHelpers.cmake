@@ -71,6 +71,10 @@ endfunction()
 # not define the same name twice, not even in unnamed namespaces.
 function(sonarcal_unify target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SONARCAL_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+  if(SONARCAL_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC takes a source for a header if another includes it.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
 endfunction()
 
 # sonarcal_vectorise(SOURCE): loops over arrays, which the compiler turns into vector instructions.
