@@ -74,7 +74,7 @@ class QuadraticEvaluation final : public FrameEvaluation {
 };
 
 // About a curve with the values `at`, one per coarse incidence node.
-struct QuadraticCost {
+struct QuadraticCurveCost {
   Eigen::VectorXd at;
   double cost = 0.0;
   Eigen::VectorXd gradient;
@@ -85,7 +85,7 @@ struct QuadraticCost {
 class CurveQuadratic final : public FrameOfCurve {
  public:
   // The law must outlive it.
-  CurveQuadratic(const FrameModel& of, int material, const PixelLaw& law, const QuadraticCost& cost);
+  CurveQuadratic(const FrameModel& of, int material, const PixelLaw& law, const QuadraticCurveCost& cost);
 
   int range_bins() const override { return static_cast<int>(offset_.size()); }
   std::unique_ptr<FrameEvaluation> At(int frame, const ParameterValues& values, std::span<const int> active,
@@ -98,7 +98,7 @@ class CurveQuadratic final : public FrameOfCurve {
 };
 
 CurveQuadratic::CurveQuadratic(const FrameModel& of, int material, const PixelLaw& law,
-                               const QuadraticCost& cost)
+                               const QuadraticCurveCost& cost)
     : FrameOfCurve(of, material), law_(law) {
   constexpr double kOfLargest = 1e-12;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(cost.curvature);
@@ -184,9 +184,9 @@ std::unique_ptr<FrameModel> OneCurveModel::Quadratic(const ParameterValues& valu
   const auto nodes = static_cast<Eigen::Index>(table.size()) / sim::kCurveStride;
   PixelTerms terms;
   if (!At(0, values, {}, Terms::kDerivatives)->Bins(0, range_bins(), terms)) return nullptr;
-  QuadraticCost cost{.at = Eigen::VectorXd::Zero(nodes),
-                     .gradient = Eigen::VectorXd::Zero(nodes),
-                     .curvature = Eigen::MatrixXd::Zero(nodes, nodes)};
+  QuadraticCurveCost cost{.at = Eigen::VectorXd::Zero(nodes),
+                          .gradient = Eigen::VectorXd::Zero(nodes),
+                          .curvature = Eigen::MatrixXd::Zero(nodes, nodes)};
   for (Eigen::Index node = 0; node < nodes; ++node) cost.at(node) = table[node * sim::kCurveStride];
   for (std::size_t pixel = 0; pixel < pixels_.rest.size(); ++pixel) {
     const std::span entries(pixels_.echoes.entries.begin() + pixels_.echoes.start[pixel],

@@ -18,7 +18,7 @@ namespace {
 // Search interval about the noise level, dB.
 constexpr double kReachDb = 25.0;
 constexpr double kMinSpanDb = 8.0;  // of displays whose span is not stated
-constexpr double kMaxSpanDb = 160.0;
+constexpr double kMaxDisplaySpanDb = 160.0;
 constexpr double kMinExponent = 0.1;
 constexpr double kMaxExponent = 4.0;
 
@@ -109,7 +109,7 @@ BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& back
   BackgroundDisplay fitted{.display = {.law = law}, .looks = looks};
   const bool softens = law == DisplayLaw::kSoftLog || law == DisplayLaw::kSoftAmplitude;
   const bool is_power = law == DisplayLaw::kPower;
-  double span_db = image.scale.db_span.value_or(kMaxSpanDb);
+  double span_db = image.scale.db_span.value_or(kMaxDisplaySpanDb);
   // Each fits what is left, keeps it in `fitted`, and returns the cost.
   const auto cost_from = [&](double start_db) {
     fitted.display.db_min = is_power ? start_db - span_db : start_db;
@@ -118,7 +118,7 @@ BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& back
   };
   const auto best_level = [&] {
     // Levels shown as full scale lie above the noise.
-    const double reach_db = is_power ? kMaxSpanDb : kReachDb;
+    const double reach_db = is_power ? kMaxDisplaySpanDb : kReachDb;
     return cost_from(Lowest(cost_from, -kReachDb, reach_db).first);
   };
   const auto with_soft = [&](double soft_db) {
@@ -140,7 +140,8 @@ BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& back
     fitted.nats_per_pixel =
         with_exponent(Lowest(with_exponent, std::log(kMinExponent), std::log(kMaxExponent)).first);
   } else if (!image.scale.db_span) {
-    fitted.nats_per_pixel = with_span(Lowest(with_span, std::log(kMinSpanDb), std::log(kMaxSpanDb)).first);
+    fitted.nats_per_pixel =
+        with_span(Lowest(with_span, std::log(kMinSpanDb), std::log(kMaxDisplaySpanDb)).first);
   } else {
     fitted.nats_per_pixel = best_shape();
   }

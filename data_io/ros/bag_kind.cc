@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kRos1Magic = "#ROSBAG V";
+constexpr std::string_view kRos1Mark = "#ROSBAG V";
 constexpr std::string_view kSqliteMagic{"SQLite format 3\0", 16};
-constexpr std::string_view kMcapMagic{"\x89MCAP", 5};
+constexpr std::string_view kMcapMark{"\x89MCAP", 5};
 
 bool Equals(const std::vector<std::byte>& bytes, std::string_view text) {
   return std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()) == text;
@@ -57,7 +57,7 @@ struct StorageMarks {
 
 StorageMarks MarksOf(Ros2Storage storage) {
   return storage == Ros2Storage::kSqlite ? StorageMarks{kSqliteMagic, ".db3"}
-                                         : StorageMarks{kMcapMagic, ".mcap"};
+                                         : StorageMarks{kMcapMark, ".mcap"};
 }
 
 // True if the content of the file, inflated if it is compressed, has this storage. A compressed file that is
@@ -128,7 +128,7 @@ bool AreOneBag(const fs::path& folder, const std::vector<fs::path>& files) {
 
 bool IsRos1Bag(const fs::path& path) {
   std::error_code error;
-  return fs::is_regular_file(path, error) && Equals(FirstBytes(path, kRos1Magic.size()), kRos1Magic);
+  return fs::is_regular_file(path, error) && Equals(FirstBytes(path, kRos1Mark.size()), kRos1Mark);
 }
 
 bool IsRos2Bag(const fs::path& path) {

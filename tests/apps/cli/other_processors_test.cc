@@ -29,7 +29,7 @@ constexpr double kMaxShareApart = 1e-3;
 struct Processor {
   const char* name;
   const char* prefix;  // words before the command
-  bool same_bits;      // as on any processor with AVX2 and FMA
+  bool same_bits;      // of images, as on any processor with AVX2 and FMA; fits add the libraries of Ceres
 
   friend std::ostream& operator<<(std::ostream& out, const Processor& processor) {
     return out << processor.name;
@@ -125,7 +125,7 @@ TEST_P(OtherProcessor, ImagesAreEqualOrAFewLevelsOf65535Apart) {
 }
 
 // All fits to a recording must end at the same optimum, so no decision may depend on rounding.
-TEST_P(OtherProcessor, FitsEndEquallyOrWithinATenthOfAStandardError) {
+TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardErrorOrAMillionth) {
   for (const ParameterSet& truth : {TinyParameters(), TinyAcousticParameters()}) {
     SCOPED_TRACE(truth.model == EchoModel::kPaper ? "paper" : "acoustic");
     data_io::WriteParameters(world_.params(), truth);
@@ -152,14 +152,13 @@ TEST_P(OtherProcessor, FitsEndEquallyOrWithinATenthOfAStandardError) {
       const nlohmann::json& other = there["parameters"][i];
       ASSERT_EQ(one["name"], other["name"]);
       EXPECT_EQ(one["status"], other["status"]) << one["name"];
-      if (GetParam().same_bits) {
-        EXPECT_EQ(one, other);
-      }
       if (!one["sigma"].is_number()) continue;
       ++compared;
       const double sigma = one["sigma"];
-      EXPECT_NEAR(one["value"].get<double>(), other["value"].get<double>(), 0.1 * sigma) << one["name"];
-      EXPECT_NEAR(sigma, other["sigma"].get<double>(), 0.05 * sigma) << one["name"];
+      const bool same_bits = GetParam().same_bits;
+      EXPECT_NEAR(one["value"].get<double>(), other["value"].get<double>(), (same_bits ? 1e-6 : 0.1) * sigma)
+          << one["name"];
+      EXPECT_NEAR(sigma, other["sigma"].get<double>(), (same_bits ? 1e-6 : 0.05) * sigma) << one["name"];
     }
     EXPECT_GE(compared, 3);
   }
