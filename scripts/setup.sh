@@ -140,9 +140,9 @@ configure_and_build() {
   (cd "$root" && quietly "Configuring build/" cmake --preset release "${options[@]}") ||
     fail "cmake cannot configure the project, its last lines are above"
   case "$target,$with_tests" in
-    quick_tests,*) say "Building the quick tests (about 3 minutes on two cores the first time) ..." ;;
-    all,yes) say "Building the program and all tests (about 15 minutes on two cores the first time) ..." ;;
-    *) say "Building the program (about 8 minutes on two cores the first time) ..." ;;
+    quick_tests,*) say "Building the quick tests (some minutes the first time) ..." ;;
+    all,yes) say "Building the program and all tests (10 to 40 minutes on two cores the first time) ..." ;;
+    *) say "Building the program (5 to 20 minutes on two cores the first time) ..." ;;
   esac
   cmake --build "$build" --target "$target" >&2 || fail "the build failed, its errors are above"
 }

@@ -31,7 +31,7 @@ std::string_view ClassOf(WaterfallMood mood) {
   return kClasses[static_cast<std::size_t>(mood)];
 }
 
-std::string Drawing(const Waterfall& waterfall) {
+std::string DrawnWaterfall(const Waterfall& waterfall) {
   double most = waterfall.floor.value_or(0.0);
   for (const WaterfallRow& row : waterfall.rows) most = std::max(most, row.value);
   const double scale = most > 0.0 ? kBars / most : 0.0;
@@ -85,7 +85,7 @@ std::string WaterfallHtml(const Waterfall& waterfall) {
       "<figure class=\"chart waterfall\"><div class=\"chart-title\">{}</div>"
       "<svg class=\"plot\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">{}</svg></figure>\n",
       EscapeHtml(waterfall.title + unit), kWaterfallWidth, HeightOf(waterfall), EscapeHtml(alt),
-      Drawing(waterfall));
+      DrawnWaterfall(waterfall));
 }
 
 std::string WaterfallSvg(const Waterfall& waterfall) {
@@ -96,7 +96,7 @@ std::string WaterfallSvg(const Waterfall& waterfall) {
       "<style>{2}</style><rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>"
       "<text class=\"title\" x=\"4\" y=\"18\">{3}</text><g transform=\"translate(0 {4})\">{5}</g></svg>\n",
       kWaterfallWidth, height, kWaterfallFileStyle, EscapeHtml(waterfall.title), kTitleHeight,
-      Drawing(waterfall));
+      DrawnWaterfall(waterfall));
 }
 
 }  // namespace sonarcal::report
