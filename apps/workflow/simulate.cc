@@ -356,9 +356,10 @@ std::unique_ptr<MemoryRecording> Simulate(const Scene& scene, const SonarChoice&
   for (const std::string& sentence : SimulationMessages(options, simulator, prepared))
     listener.Message(sentence);
   const std::vector<Pose> world_from_sonar = data_io::PosesAlone(poses);
-  const std::vector<int> empty = sim::PosesThatSeeNothing(simulator, world_from_sonar);
-  if (!empty.empty()) listener.Message(sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
   const int total = static_cast<int>(poses.size());
+  const std::vector<int> empty = sim::PosesThatSeeNothing(
+      simulator, world_from_sonar, [&](int done) { listener.Progress("Checking the poses", done, total); });
+  if (!empty.empty()) listener.Message(sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
   return SimulateRecording(
       simulator, moving, prepared.parameters, scene_path,
       [&](int done) { listener.Progress("Simulating", done, total); }, options.expected);

@@ -62,7 +62,8 @@ std::string Listed(const std::vector<int>& indices) {
 
 }  // namespace
 
-std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar) {
+std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
+                                     const std::function<void(int done)>& progress) {
   const SonarModel& sonar = simulator.sonar();
   const RayFan few(sonar, {.sampling = Sampling::kBeams,
                            .cols = sonar.axes.beam_count(),
@@ -70,8 +71,11 @@ std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vect
                            .elevation_span_deg = simulator.options().fan.elevation_span_deg});
   std::vector<int> empty;
   for (std::size_t i = 0; i < world_from_sonar.size(); ++i) {
-    if (Trace(simulator.caster(), few, world_from_sonar[i], sonar.axes).size() > 0) continue;
-    if (simulator.TraceEchoes(world_from_sonar[i]).size() == 0) empty.push_back(static_cast<int>(i));
+    if (Trace(simulator.caster(), few, world_from_sonar[i], sonar.axes).size() == 0 &&
+        simulator.TraceEchoes(world_from_sonar[i]).size() == 0) {
+      empty.push_back(static_cast<int>(i));
+    }
+    if (progress) progress(static_cast<int>(i) + 1);
   }
   return empty;
 }

@@ -2,6 +2,7 @@
 // poses.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,10 @@
 namespace sonarcal::sim {
 
 // Indices of the poses from which no ray of the simulator hits the scene within the range window. Casts few
-// rays for a pose that sees something, all rays for one that does not.
-std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar);
+// rays for a pose that sees something, all rays for one that does not. Calls `progress(done)` after each pose;
+// it may throw.
+std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
+                                     const std::function<void(int done)>& progress = {});
 
 // Warning about the `empty` ones of these frames, from which no ray hits the scene; empty if there is none.
 // Throws DataError if it is all of them, because they say nothing about the scene.

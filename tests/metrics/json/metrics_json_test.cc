@@ -12,7 +12,6 @@
 namespace sonarcal::metrics {
 namespace {
 
-using nlohmann::json;
 using ::testing::HasSubstr;
 using testing::SpeckledBlock;
 using ::testing::StartsWith;
@@ -34,10 +33,10 @@ MetricsReport ReportOf(int frame_count) {
 
 TEST(MetricsJsonTest, FramesCarryTheAgreedNames) {
   const MetricsReport report = ReportOf(2);
-  const json parsed = json::parse(MetricsJson(report));
+  const nlohmann::json parsed = nlohmann::json::parse(MetricsJson(report));
   EXPECT_EQ(parsed["format"], "sonar-metrics/1");
   ASSERT_EQ(parsed["frames"].size(), 2u);
-  const json& frame = parsed["frames"][1];
+  const nlohmann::json& frame = parsed["frames"][1];
   const ViewMetrics& polar = report.frames[1].polar;
   EXPECT_EQ(frame["index"], 1);
   EXPECT_EQ(frame["ns"], polar.occupancy.ns);
@@ -55,12 +54,12 @@ TEST(MetricsJsonTest, FramesCarryTheAgreedNames) {
 
 TEST(MetricsJsonTest, MacroAndMicroCarryTheSameNamesAndIntervals) {
   const MetricsReport report = ReportOf(4);
-  const json parsed = json::parse(MetricsJson(report));
+  const nlohmann::json parsed = nlohmann::json::parse(MetricsJson(report));
   for (const char* kind : {"macro", "micro"}) {
-    const json& summary = parsed[kind];
+    const nlohmann::json& summary = parsed[kind];
     for (const char* name : {"ns_over_nr", "na_over_ns", "na_over_nr", "iou"}) {
       ASSERT_TRUE(summary[name].is_number()) << kind << "." << name;
-      const json& ci = summary[std::string(name) + "_ci"];
+      const nlohmann::json& ci = summary[std::string(name) + "_ci"];
       ASSERT_EQ(ci.size(), 2u);
       EXPECT_LE(ci[0].get<double>(), summary[name].get<double>());
       EXPECT_GE(ci[1].get<double>(), summary[name].get<double>());
@@ -81,7 +80,7 @@ TEST(MetricsJsonTest, UndefinedFiguresAreNullWithTheirReason) {
   report.frames.resize(1);
   report.aggregate = AggregateFrames(report.frames);
   report.noise_floor.real_against_real.absent_reason = "1 real frame, two are needed";
-  const json parsed = json::parse(MetricsJson(report));
+  const nlohmann::json parsed = nlohmann::json::parse(MetricsJson(report));
   EXPECT_TRUE(parsed["frames"][0]["iou"].is_null());
   EXPECT_TRUE(parsed["frames"][0]["intensity_error"]["polar"].is_null());
   EXPECT_TRUE(parsed["macro"]["iou"].is_null());
@@ -97,7 +96,7 @@ TEST(MetricsJsonTest, UndefinedFiguresAreNullWithTheirReason) {
 }
 
 TEST(MetricsJsonTest, FiguresOfEveryFrameAreNotAmongThoseLeftOut) {
-  const json parsed = json::parse(MetricsJson(ReportOf(1)));
+  const nlohmann::json parsed = nlohmann::json::parse(MetricsJson(ReportOf(1)));
   EXPECT_FALSE(parsed["macro"]["frames_left_out"].contains("iou"));
   EXPECT_TRUE(parsed["macro"]["frames_left_out"].contains("distribution.whole.emd_db"));
 }
@@ -109,7 +108,7 @@ TEST(MetricsJsonTest, SegmentationAndNoiseFloorAreStated) {
   ImageScale scale;
   scale.db_span = 80.0;
   report.noise_floor.speckle = SpeckleFloorFor(scale);
-  const json parsed = json::parse(MetricsJson(report));
+  const nlohmann::json parsed = nlohmann::json::parse(MetricsJson(report));
   EXPECT_EQ(parsed["segmentation"]["method"], "background_sigma");
   EXPECT_EQ(parsed["segmentation"]["parameters"]["sigma_count"], 3.5);
   EXPECT_EQ(parsed["segmentation"]["parameters"]["close_rows"], 7);
@@ -122,32 +121,34 @@ TEST(MetricsJsonTest, SegmentationAndNoiseFloorAreStated) {
 TEST(MetricsJsonTest, TheObjectOfASimulationAndItsSearchBoxAreStated) {
   MetricsReport report = ReportOf(1);
   report.frames[0].object_box = PixelBox{.bin_begin = 1, .bin_end = 5, .beam_begin = 2, .beam_end = 9};
-  const json by_rule = json::parse(MetricsJson(report));
+  const nlohmann::json by_rule = nlohmann::json::parse(MetricsJson(report));
   EXPECT_EQ(by_rule["segmentation"]["simulated_object"], "same_rule");
   EXPECT_FALSE(by_rule["segmentation"].contains("echo_fraction"));
   EXPECT_FALSE(by_rule["segmentation"].contains("object_region"));
   EXPECT_TRUE(by_rule["segmentation"]["region_of_interest_px"].is_null());
-  EXPECT_EQ(by_rule["frames"][0]["object_region"], json::parse(R"({"range_bins": [1, 5], "beams": [2, 9]})"));
+  EXPECT_EQ(by_rule["frames"][0]["object_region"],
+            nlohmann::json::parse(R"({"range_bins": [1, 5], "beams": [2, 9]})"));
   report.options.simulated_object = SimulatedObject::kEchoes;
   report.options.echo_fraction = 0.125;
   report.options.region = testing::MaskOf({"##", "#."});
   report.options.object = ObjectSearch{.material = "steel", .margin = {.bins = 3, .beams = 4}};
-  const json by_echoes = json::parse(MetricsJson(report))["segmentation"];
+  const nlohmann::json by_echoes = nlohmann::json::parse(MetricsJson(report))["segmentation"];
   EXPECT_EQ(by_echoes["simulated_object"], "echoes");
   EXPECT_EQ(by_echoes["echo_fraction"], 0.125);
   EXPECT_EQ(by_echoes["region_of_interest_px"], 3);
   EXPECT_EQ(by_echoes["object_region"],
-            json::parse(R"({"source": "model", "object": "steel", "margin_bins": 3, "margin_beams": 4})"));
+            nlohmann::json::parse(
+                R"({"source": "model", "object": "steel", "margin_bins": 3, "margin_beams": 4})"));
 }
 
 TEST(MetricsJsonTest, BlocksAreStatedForFramesInTimeAndTheirIntervals) {
   MetricsReport report = ReportOf(4);
-  EXPECT_FALSE(json::parse(MetricsJson(report))["ci"].contains("block_frames"));
+  EXPECT_FALSE(nlohmann::json::parse(MetricsJson(report))["ci"].contains("block_frames"));
   for (int i = 0; i < 4; ++i) report.frames[i].time_s = 0.1 * i;
   report.aggregate = AggregateFrames(report.frames);
-  const json ci = json::parse(MetricsJson(report))["ci"];
+  const nlohmann::json ci = nlohmann::json::parse(MetricsJson(report))["ci"];
   EXPECT_THAT(ci["method"].get<std::string>(), HasSubstr("blocks of consecutive frames"));
-  const json& blocks = ci["block_frames"];
+  const nlohmann::json& blocks = ci["block_frames"];
   EXPECT_EQ(blocks["polar"]["iou"], report.aggregate.macro.polar.At("iou").block_frames);
   EXPECT_TRUE(blocks["polar"].contains("outline.mean_m"));
   EXPECT_FALSE(blocks["fan"].contains("outline.mean_m")) << "of the polar view only";
@@ -178,17 +179,17 @@ TEST(MetricsJsonTest, AFrameOnOneLineHoldsTheFrame) {
   const MetricsReport report = ReportOf(1);
   const std::string line = FrameMetricsJson(report.frames[0], IntensityDomain::kUnion);
   EXPECT_EQ(line.find('\n'), std::string::npos);
-  EXPECT_EQ(json::parse(line), json::parse(MetricsJson(report))["frames"][0]);
+  EXPECT_EQ(nlohmann::json::parse(line), nlohmann::json::parse(MetricsJson(report))["frames"][0]);
 }
 
 TEST(MetricsJsonTest, TheFloorByDrawsStandsBesideItsLaw) {
   MetricsReport report = ReportOf(3);
-  EXPECT_FALSE(json::parse(MetricsJson(report))["noise_floor"].contains("drawn"));
+  EXPECT_FALSE(nlohmann::json::parse(MetricsJson(report))["noise_floor"].contains("drawn"));
   report.noise_floor.drawn.emplace();
   report.noise_floor.drawn->law = "k";
   report.noise_floor.drawn->aggregate = AggregateFrames(ReportOf(2).frames);
-  const json parsed = json::parse(MetricsJson(report));
-  const json& floor = parsed["noise_floor"];
+  const nlohmann::json parsed = nlohmann::json::parse(MetricsJson(report));
+  const nlohmann::json& floor = parsed["noise_floor"];
   EXPECT_EQ(floor["beside_figures"], "drawn");
   EXPECT_EQ(floor["drawn"]["law"], "k");
   EXPECT_EQ(floor["drawn"]["frames"], 2);
@@ -200,12 +201,12 @@ TEST(MetricsJsonTest, TheFloorByDrawsStandsBesideItsLaw) {
 TEST(MetricsJsonTest, FractionsOfFullScaleStandInGreyLevelsAndDecibelsToo) {
   MetricsReport report = ReportOf(2);
   report.scale.full_scale = 255.0;
-  const json unknown = json::parse(MetricsJson(report));
+  const nlohmann::json unknown = nlohmann::json::parse(MetricsJson(report));
   EXPECT_FALSE(unknown["macro"].contains("in_db")) << "nobody said how many dB the display spans";
   report.scale.db_span = 80.0;
-  const json parsed = json::parse(MetricsJson(report));
+  const nlohmann::json parsed = nlohmann::json::parse(MetricsJson(report));
   for (const char* kind : {"macro", "micro"}) {
-    const json& summary = parsed[kind];
+    const nlohmann::json& summary = parsed[kind];
     const double fraction = summary["intensity"]["union"]["rmse"];
     EXPECT_DOUBLE_EQ(summary["in_grey_levels"]["intensity"]["union"]["rmse"], 255.0 * fraction);
     EXPECT_DOUBLE_EQ(summary["in_db"]["intensity"]["union"]["rmse"], 80.0 * fraction);
@@ -216,11 +217,11 @@ TEST(MetricsJsonTest, FractionsOfFullScaleStandInGreyLevelsAndDecibelsToo) {
 
 TEST(MetricsJsonTest, TheFloorStandsBesideEveryFigureThatIsBetterOrWorse) {
   MetricsReport report = ReportOf(3);
-  EXPECT_FALSE(json::parse(MetricsJson(report))["macro"].contains("iou_floor"));
+  EXPECT_FALSE(nlohmann::json::parse(MetricsJson(report))["macro"].contains("iou_floor"));
   report.noise_floor.real_against_real.pairs = ReportOf(2).frames;
   report.noise_floor.real_against_real.aggregate =
       AggregateFrames(report.noise_floor.real_against_real.pairs);
-  const json macro = json::parse(MetricsJson(report))["macro"];
+  const nlohmann::json macro = nlohmann::json::parse(MetricsJson(report))["macro"];
   const ViewSummary& floor = report.noise_floor.real_against_real.aggregate.macro.polar;
   EXPECT_EQ(macro["iou_floor"], *floor.At("iou").value);
   EXPECT_EQ(macro["intensity"]["union"]["ssim_floor"], *floor.At("intensity.union.ssim").value);

@@ -17,13 +17,13 @@ namespace {
 
 using testing::kAlphaDbPerM;
 
-struct Case {
+struct FrameCase {
   RayFanOptions fan;
   ElevationPattern pattern = ElevationPattern::kAperture;
   double elevation_width_deg = 20.0;
 };
 
-class AcousticFrame : public ::testing::TestWithParam<Case> {
+class AcousticFrame : public ::testing::TestWithParam<FrameCase> {
  protected:
   ParameterSet Parameters() const {
     ParameterSet set;
@@ -96,24 +96,24 @@ TEST_P(AcousticFrame, IsTheSameOnAnyNumberOfThreads) {
 INSTANTIATE_TEST_SUITE_P(
     All, AcousticFrame,
     ::testing::Values(
-        Case{.fan = {.sampling = Sampling::kBeams, .cols = 512, .rows = 300}},
-        Case{.fan = {.sampling = Sampling::kBeams,
-                     .cols = 512,
-                     .rows = 400,
-                     .elevation_span_deg = 176.0,
-                     .azimuth_margin_deg = 3.0,
-                     .row_crowding = 6.0,
-                     .stagger = true,
-                     .stagger_rows = true}},
-        Case{.fan = {.sampling = Sampling::kBeams,
-                     .cols = 300,
-                     .rows = 20,
-                     .elevation_span_deg = 176.0,
-                     .stagger_rows = true},
-             .pattern = ElevationPattern::kGaussian,
-             .elevation_width_deg = 8.0},
-        Case{.fan = {.sampling = Sampling::kBeams, .cols = 300, .rows = 200, .elevation_span_deg = 90.0},
-             .pattern = ElevationPattern::kCosine}));
+        FrameCase{.fan = {.sampling = Sampling::kBeams, .cols = 512, .rows = 300}},
+        FrameCase{.fan = {.sampling = Sampling::kBeams,
+                          .cols = 512,
+                          .rows = 400,
+                          .elevation_span_deg = 176.0,
+                          .azimuth_margin_deg = 3.0,
+                          .row_crowding = 6.0,
+                          .stagger = true,
+                          .stagger_rows = true}},
+        FrameCase{.fan = {.sampling = Sampling::kBeams,
+                          .cols = 300,
+                          .rows = 20,
+                          .elevation_span_deg = 176.0,
+                          .stagger_rows = true},
+                  .pattern = ElevationPattern::kGaussian,
+                  .elevation_width_deg = 8.0},
+        FrameCase{.fan = {.sampling = Sampling::kBeams, .cols = 300, .rows = 200, .elevation_span_deg = 90.0},
+                  .pattern = ElevationPattern::kCosine}));
 
 }  // namespace
 }  // namespace sonarcal::sim

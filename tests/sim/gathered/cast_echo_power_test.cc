@@ -17,12 +17,12 @@ namespace sonarcal::sim {
 namespace {
 
 // `together`: columns that are joined.
-struct Case {
+struct PowerCase {
   RayFanOptions fan;
   int together = 1;
 };
 
-class CastEchoes : public ::testing::TestWithParam<Case> {
+class CastEchoes : public ::testing::TestWithParam<PowerCase> {
  protected:
   static ParameterSet Parameters() {
     ParameterSet set;
@@ -108,17 +108,18 @@ TEST_P(CastEchoes, AreTheSameOnAnyNumberOfThreads) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, CastEchoes,
-    ::testing::Values(Case{.fan = {.sampling = Sampling::kBeams, .cols = 300, .rows = 300}},
-                      Case{.fan = {.sampling = Sampling::kBeams, .cols = 1500, .rows = 300}, .together = 3},
-                      Case{.fan = {.sampling = Sampling::kBeams,
-                                   .cols = 2560,
-                                   .rows = 200,
-                                   .elevation_span_deg = 176.0,
-                                   .azimuth_margin_deg = 3.0,
-                                   .row_crowding = 6.0,
-                                   .stagger = true,
-                                   .stagger_rows = true},
-                           .together = 5}));
+    ::testing::Values(PowerCase{.fan = {.sampling = Sampling::kBeams, .cols = 300, .rows = 300}},
+                      PowerCase{.fan = {.sampling = Sampling::kBeams, .cols = 1500, .rows = 300},
+                                .together = 3},
+                      PowerCase{.fan = {.sampling = Sampling::kBeams,
+                                        .cols = 2560,
+                                        .rows = 200,
+                                        .elevation_span_deg = 176.0,
+                                        .azimuth_margin_deg = 3.0,
+                                        .row_crowding = 6.0,
+                                        .stagger = true,
+                                        .stagger_rows = true},
+                                .together = 5}));
 
 // A beam's weights times linear shares, over the columns that are joined: no error on average.
 TEST(SharpenedForShares, LeaveNoErrorOnAverage) {

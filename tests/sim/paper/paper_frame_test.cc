@@ -17,7 +17,7 @@ namespace {
 
 using testing::kAlphaDbPerM;
 
-struct Case {
+struct PaperCase {
   Sampling sampling = Sampling::kFrustum;
   bool noise = false;
   JitterGrowth growth = JitterGrowth::kRoot;
@@ -26,7 +26,7 @@ struct Case {
   bool stagger = false;
 };
 
-class PaperFrame : public ::testing::TestWithParam<Case> {
+class PaperFrame : public ::testing::TestWithParam<PaperCase> {
  protected:
   static SonarModel Sonar(bool uneven_beams) {
     SonarModel sonar = FindSonarPreset("p900-45").sonar;
@@ -90,14 +90,14 @@ TEST_P(PaperFrame, IsTheImageOfTheEchoes) {
 INSTANTIATE_TEST_SUITE_P(
     All, PaperFrame,
     ::testing::Values(
-        Case{.sampling = Sampling::kFrustum}, Case{.sampling = Sampling::kBeams},
-        Case{.sampling = Sampling::kFrustum, .noise = true},
-        Case{.sampling = Sampling::kBeams, .noise = true, .growth = JitterGrowth::kLinear},
-        Case{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true},
-        Case{.sampling = Sampling::kFrustum, .weight = RayWeight::kSolidAngle},
-        Case{.sampling = Sampling::kBeams, .noise = true, .weight = RayWeight::kSolidAngle},
-        Case{.sampling = Sampling::kBeams, .stagger = true},
-        Case{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true, .stagger = true}));
+        PaperCase{.sampling = Sampling::kFrustum}, PaperCase{.sampling = Sampling::kBeams},
+        PaperCase{.sampling = Sampling::kFrustum, .noise = true},
+        PaperCase{.sampling = Sampling::kBeams, .noise = true, .growth = JitterGrowth::kLinear},
+        PaperCase{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true},
+        PaperCase{.sampling = Sampling::kFrustum, .weight = RayWeight::kSolidAngle},
+        PaperCase{.sampling = Sampling::kBeams, .noise = true, .weight = RayWeight::kSolidAngle},
+        PaperCase{.sampling = Sampling::kBeams, .stagger = true},
+        PaperCase{.sampling = Sampling::kBeams, .noise = true, .uneven_beams = true, .stagger = true}));
 
 TEST(PaperFrameThreads, AnyNumberGivesTheSame) {
   const RayCaster caster(MakeMockupTank());

@@ -11,7 +11,7 @@
 namespace sonarcal::sim {
 namespace {
 
-using Jet = ceres::Jet<double, 6>;
+using GsabJet = ceres::Jet<double, 6>;
 
 // The coefficients of the table below.
 GsabParameters<double> Tabulated() {
@@ -89,9 +89,9 @@ TEST(Gsab, DerivativesEqualCentralDifferences) {
   for (const GsabParameters<double>& p : {GsabParameters<double>{}, Tabulated(), wide}) {
     for (const double incidence_deg : {0.0, 0.25, 3.0, 10.0, 30.0, 60.0, 85.0, 89.75, 90.0}) {
       const std::array<double, 6> at = Values(p);
-      std::array<Jet, 6> jets;
-      for (int i = 0; i < 6; ++i) jets[i] = Jet(at[i], i);
-      const Jet level = GsabDb(FromValues(jets), incidence_deg);
+      std::array<GsabJet, 6> jets;
+      for (int i = 0; i < 6; ++i) jets[i] = GsabJet(at[i], i);
+      const GsabJet level = GsabDb(FromValues(jets), incidence_deg);
       EXPECT_DOUBLE_EQ(level.a, GsabDb(p, incidence_deg));
       for (int i = 0; i < 6; ++i) {
         SCOPED_TRACE(std::string(kNames[i]) + " at " + std::to_string(incidence_deg));
