@@ -11,8 +11,8 @@
 namespace sonarcal::sim {
 
 // Indices of the poses from which no ray of the simulator hits the scene within the range window. Casts few
-// rays for a pose that sees something, all rays for one that does not. Calls `progress(done)` after each pose;
-// it may throw.
+// rays for a pose that sees something, all rays for one that does not. Calls `progress(done)`, which may
+// throw, after each pose.
 std::vector<int> PosesThatSeeNothing(const Simulator& simulator, const std::vector<Pose>& world_from_sonar,
                                      const std::function<void(int done)>& progress = {});
 

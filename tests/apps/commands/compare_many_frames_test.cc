@@ -17,13 +17,13 @@ using testing::Quoted;
 using testing::TempDir;
 
 constexpr int kBins = 512;
-constexpr int kBeams = 128;
+constexpr int kManyBeams = 128;
 
 // A recording of `count` frames that are all one picture: reading them costs what reading others would.
 void WriteRecordingOf(const std::filesystem::path& folder, int count, std::uint64_t seed) {
   std::filesystem::create_directory(folder);
   std::mt19937_64 random(seed);
-  Grid<std::uint8_t> grey(kBins, kBeams);
+  Grid<std::uint8_t> grey(kBins, kManyBeams);
   for (std::uint8_t& value : grey.values()) value = static_cast<std::uint8_t>(40 + random() % 40);
   for (int bin = 200; bin < 300; ++bin) {
     for (int beam = 40; beam < 80; ++beam) grey(bin, beam) = 200;
@@ -41,8 +41,8 @@ void WriteRecordingOf(const std::filesystem::path& folder, int count, std::uint6
                            {"sound_speed_m_per_s", 1480}}},
                          {"image", {{"layout", "polar"}, {"bits", 8}, {"db_min", 0}, {"db_max", 80}}},
                          {"frames", nlohmann::json::array()}};
-  for (int beam = 0; beam < kBeams; ++beam) {
-    json["sonar"]["beam_azimuth_deg"].push_back(0.15 * (beam - 0.5 * (kBeams - 1)));
+  for (int beam = 0; beam < kManyBeams; ++beam) {
+    json["sonar"]["beam_azimuth_deg"].push_back(0.15 * (beam - 0.5 * (kManyBeams - 1)));
   }
   for (int i = 0; i < count; ++i) json["frames"].push_back({{"file", "frame.png"}, {"time_s", 0.1 * i}});
   testing::WriteFile(folder / "recording.json", json.dump());
@@ -74,7 +74,7 @@ TEST(CompareManyFrames, MemoryDoesNotGrowWithTheImages) {
   constexpr int kMany = 300;
   const double few = PeakMiB(dir, kFew);
   const double many = PeakMiB(dir, kMany);
-  const double images = (kMany - kFew) * 2.0 * kBins * kBeams * sizeof(float) / (1024.0 * 1024.0);
+  const double images = (kMany - kFew) * 2.0 * kBins * kManyBeams * sizeof(float) / (1024.0 * 1024.0);
   RecordProperty("few_MiB", fmt::format("{}", few));
   RecordProperty("many_MiB", fmt::format("{}", many));
   EXPECT_LT(many - few, 0.25 * images) << few << " MiB, then " << many << ", the images being " << images;

@@ -20,19 +20,19 @@ PaperNoise NoiseOfRays(double levels_per_ray) {
 
 // Mean recorded value, in levels, of a pixel that gets a random number of rays.
 double MeanOfDraws(double levels, double levels_per_ray) {
-  constexpr int kDraws = 40'000;
+  constexpr int kSpeckleDraws = 40'000;
   std::mt19937 engine(7);
   std::poisson_distribution<int> count(levels / levels_per_ray);
   std::uniform_real_distribution<double> strength(0.8, 1.2);
   double sum = 0.0;
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kSpeckleDraws; ++draw) {
     double value = 0.0;
     const int rays = count(engine);
     if (rays > 50) value = levels_per_ray * rays;  // their differences cancel
     for (int ray = rays; ray > 0 && rays <= 50; --ray) value += levels_per_ray * strength(engine);
     sum += std::min(std::round(value), kFullScale);
   }
-  return sum / kDraws;
+  return sum / kSpeckleDraws;
 }
 
 TEST(PaperLikelihood, TheExpectedValueIsThatOfRoundedAndClippedDraws) {

@@ -19,7 +19,7 @@ namespace {
 using namespace testing;  // NOLINT: the helpers of tests/sim
 
 constexpr int kBeams = 14;
-constexpr int kBins = 18;
+constexpr int kImageBins = 18;
 
 // A patch of echoes spread evenly over each cell of the histogram, with materials and incidences that change
 // from pixel to pixel. Incidences lie on the histogram's grid, so that nothing is interpolated.
@@ -55,13 +55,13 @@ EchoList EvenlySpreadEchoes(const SonarModel& sonar) {
 }
 
 SonarModel EvenSonar() {
-  return MakeSonar(EvenAzimuthsDeg(kBeams, 0.8), 20.0, 2.0, 2.9, kBins);
+  return MakeSonar(EvenAzimuthsDeg(kBeams, 0.8), 20.0, 2.0, 2.9, kImageBins);
 }
 
 SonarModel UnevenSonar() {
   std::vector<double> azimuth_deg = EvenAzimuthsDeg(kBeams, 0.8);
   for (double& azimuth : azimuth_deg) azimuth += 0.004 * azimuth * azimuth * azimuth;
-  return MakeSonar(azimuth_deg, 20.0, 2.0, 2.9, kBins);
+  return MakeSonar(azimuth_deg, 20.0, 2.0, 2.9, kImageBins);
 }
 
 PaperParameters<double> TwoMaterials(double sigma_range_m, double sigma_azimuth_deg, JitterGrowth growth) {

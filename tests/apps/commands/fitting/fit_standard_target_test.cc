@@ -23,7 +23,7 @@ using testing::RunSonarcal;
 using testing::TinyWorld;
 
 constexpr double kLevelDb = 203.5;
-constexpr int kFrames = 12;
+constexpr int kTargetFrames = 12;
 
 // A sphere in open water above the tiny world, SYNTHETIC, by the coherent model.
 class FitStandardTargetCommand : public ::testing::Test {
@@ -36,8 +36,8 @@ class FitStandardTargetCommand : public ::testing::Test {
     parameters.display = {.db_min = 90.0, .db_max = 170.0};
     data_io::WriteParameters(world_.params(), parameters);
     std::vector<data_io::TimedPose> poses;
-    for (int i = 0; i < kFrames; ++i) {
-      const double yaw_rad = RadFromDeg(0.4 * (i - 0.5 * kFrames));
+    for (int i = 0; i < kTargetFrames; ++i) {
+      const double yaw_rad = RadFromDeg(0.4 * (i - 0.5 * kTargetFrames));
       poses.push_back({0.1 * i, {RotationFromYawPitchRoll(yaw_rad, 0.0, 0.0), {0.0, 0.0, 50.0}}});
     }
     data_io::WritePoses(world_.poses(), poses);
