@@ -15,10 +15,8 @@ constexpr double kClippedTolerated = 0.1;
 // The paper's model needs 1 to 3 dB, because it divides a pixel by all rays of its beam. Includes the
 // rounding of a bound.
 constexpr double kNarrowSpanDb = 1.001;
-// Two optima are equally good below this relative difference of cost. They are different above this RMS
-// difference of their images, as a fraction of full scale.
+// Two optima are equally good below this relative difference of cost.
 constexpr double kEqualCost = 0.01;
-constexpr double kOtherImage = 0.01;
 
 }  // namespace
 

@@ -10,6 +10,9 @@
 
 namespace sonarcal::calib {
 
+// Two optima are different if the RMS difference of their images exceeds this fraction of full scale.
+inline constexpr double kOtherImage = 0.01;
+
 // Another optimum, found from another start.
 struct OtherOptimum {
   double cost = 0.0;

@@ -10,11 +10,14 @@
 
 namespace sonarcal::calib {
 
+// Half the width of a 95 % interval, in standard errors.
+inline constexpr double kSigmasOf95 = 1.96;
+
 struct FittedCurve {
   std::string material;
   std::vector<double> incidence_deg;
   std::vector<double> backscatter_db;
-  std::vector<double> sigma_db;  // by linear propagation; +-1.96 of it is a 95 % band
+  std::vector<double> sigma_db;  // by linear propagation; +-kSigmasOf95 of it is a 95 % band
   // False where more than kOpenShare of the variance of the priors is left: they pull the curve, and the band
   // is right only as far as they are.
   std::vector<bool> determined = {};

@@ -20,9 +20,6 @@ constexpr PaperNoise kFirstNoise = {.sigma = 0.1, .knee_sigma = 0.1, .variance_l
 constexpr int kNoiseRounds = 3;
 // An optimum is worse than another for certain if its cost on blocks of pixels is higher by this much.
 constexpr double kCertainNats = 10.0;
-// Two results of a search are different optima if the RMS difference of their images exceeds this fraction of
-// full scale.
-constexpr double kOtherPaperImage = 0.01;
 
 // Returns true if another round would change no value by as much as its standard error.
 bool AreAlike(const PaperNoise& a, const PaperNoise& b) {
@@ -46,7 +43,7 @@ class PaperFitter {
     if (ends_.empty() || options_.rough) return ends_.empty() ? last_ : ends_.front();
     ModelFit fit = Settle(ends_.front(), coarse);
     if (!fit.usable) return fit;
-    if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherPaperImage)
+    if (ends_.size() > 1 && model_.RmsDifference(fit.values, ends_[1].values) > kOtherImage)
       TrySecondBest(coarse, fit);
     Complete(fit);
     return fit;

@@ -66,13 +66,13 @@ function(sonarcal_optimise_little target)
   target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
 endfunction()
 
-# sonarcal_unify(TARGET): compiles several sources of the target at a time, where SONARCAL_UNITY is on. Each of them
-# instantiates the same templates, of Eigen, JSON and GoogleTest, which then are compiled once. Sources of a target must
-# not define the same name twice, not even in unnamed namespaces.
+# sonarcal_unify(TARGET): compiles six sources of the target at a time, where SONARCAL_UNITY is on. The sources use the
+# same templates of Eigen, JSON and GoogleTest. The compiler then compiles each template once for all six. Two sources
+# of one target must not define the same name in their unnamed namespaces. Overloads of a function are allowed.
 function(sonarcal_unify target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${SONARCAL_UNITY} UNITY_BUILD_BATCH_SIZE 6)
   if(SONARCAL_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # GCC takes a source for a header if another includes it.
+    # This warning is about headers, and GCC takes an included source for one.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()

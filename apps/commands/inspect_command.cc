@@ -97,7 +97,7 @@ std::string WaterText(const Water& water) {
                      water.salinity_ppt, water.ph, water.depth_m);
 }
 
-std::string RecordedText(double duration_s) {
+std::string RecordingDurationText(double duration_s) {
   if (duration_s < 120.0) return fmt::format("{:.3g} s", duration_s);
   if (duration_s < 7200.0) return fmt::format("{:.1f} min", duration_s / 60.0);
   return fmt::format("{:.1f} h", duration_s / 3600.0);
@@ -107,7 +107,7 @@ std::string FramesText(int frame_count, const data_io::RecordingSummary& summary
   std::string text = fmt::format("{}", frame_count);
   if (summary.duration_s && frame_count > 1 && *summary.duration_s > 0.0) {
     const double rate_hz = (frame_count - 1) / *summary.duration_s;
-    text += " over " + RecordedText(*summary.duration_s);
+    text += " over " + RecordingDurationText(*summary.duration_s);
     if (rate_hz >= 0.1) text += fmt::format(", {:.3g} a second", rate_hz);
   }
   if (summary.frames_with_pose == 0) return text + ", no poses";

@@ -165,7 +165,11 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
     cli::PrintNote(options.common, sentence);
 
   const std::vector<Pose> world_from_sonar = data_io::PosesAlone(poses);
-  const std::vector<int> empty = sim::PosesThatSeeNothing(simulator, world_from_sonar);
+  std::vector<int> empty;
+  {
+    cli::Progress progress("Checking the poses", static_cast<int>(poses.size()), options.common);
+    empty = sim::PosesThatSeeNothing(simulator, world_from_sonar, [&](int done) { progress.Show(done); });
+  }
   if (!empty.empty())
     cli::PrintNote(options.common, sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
   const std::int64_t rays_to_look = simulator.caster().rays_cast();

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/fitted_curve.h"
 #include "calib/noise/noise_solver.h"
 #include "core/types/error.h"
 
 namespace sonarcal::calib {
 namespace {
 
-constexpr double kSignificant = 1.96;
 constexpr double kMaxCorrelation = 0.95;
 constexpr int kPingsPerPart = 10;
 
@@ -83,7 +83,7 @@ std::optional<NoiseDrift> DriftOf(std::span<const int> frame, std::span<const do
       std::clamp(drift.lag_one + (2.0 + 4.0 * drift.lag_one) / count, 0.0, kMaxCorrelation);
   const double sigma_db = drift.spread_db * std::sqrt((1.0 + correlation) / (1.0 - correlation));
   drift.trend_sigma = sigma_db / std::sqrt(spread_place);
-  drift.significant = std::abs(drift.trend_db_per_ping) > kSignificant * drift.trend_sigma;
+  drift.significant = std::abs(drift.trend_db_per_ping) > kSigmasOf95 * drift.trend_sigma;
   const int parts = std::clamp(count / kPingsPerPart, 2, 4);
   for (int part = 0; part < parts; ++part) {
     const int first = count * part / parts;

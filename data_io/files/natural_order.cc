@@ -1,13 +1,10 @@
 #include "data_io/files/natural_order.h"
 
 namespace sonarcal::data_io {
-namespace {
 
 bool IsDigit(char c) {
   return c >= '0' && c <= '9';
 }
-
-}  // namespace
 
 bool NaturalLess(const std::string& a, const std::string& b) {
   std::size_t i = 0;

@@ -5,6 +5,9 @@
 
 namespace sonarcal::data_io {
 
+// True for 0 .. 9, in every locale.
+bool IsDigit(char c);
+
 bool NaturalLess(const std::string& a, const std::string& b);
 
 }  // namespace sonarcal::data_io

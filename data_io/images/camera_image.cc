@@ -28,13 +28,9 @@ bool IsPicture(const fs::path& file) {
   return std::ranges::count(kEnds, end) > 0;
 }
 
-bool IsNumeral(char c) {
-  return c >= '0' && c <= '9';
-}
-
 bool IsPlainNumber(std::string_view name) {
-  if (name.empty() || !IsNumeral(name.front()) || !IsNumeral(name.back())) return false;
-  return std::ranges::all_of(name, [](char c) { return IsNumeral(c) || c == '.'; }) &&
+  if (name.empty() || !IsDigit(name.front()) || !IsDigit(name.back())) return false;
+  return std::ranges::all_of(name, [](char c) { return IsDigit(c) || c == '.'; }) &&
          std::ranges::count(name, '.') <= 1;
 }
 

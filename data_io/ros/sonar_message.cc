@@ -22,7 +22,7 @@ bool IsProjected(const std::string& type) {
   return type == "marine_acoustic_msgs/ProjectedSonarImage" || type == "acoustic_msgs/ProjectedSonarImage";
 }
 
-bool HasOculusPing(const std::string& type) {
+bool IsSonarOculusPing(const std::string& type) {
   return type == "sonar_oculus/OculusPing" || type == "sonar_oculus_interface/OculusPing";
 }
 
@@ -163,7 +163,7 @@ bool IsPointsType(const std::string& type) {
 }
 
 bool IsSonarType(const std::string& type) {
-  return IsProjected(type) || HasOculusPing(type) || IsOculusInterfacesType(type);
+  return IsProjected(type) || IsSonarOculusPing(type) || IsOculusInterfacesType(type);
 }
 
 PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte> bytes,
@@ -175,7 +175,7 @@ PolarImage DecodeSonarMessage(const std::string& type, std::span<const std::byte
   }
   if (IsOculusInterfacesType(type))
     return ImageOf(ReadOculusInterfaces(type, bytes, encoding, where), where, options);
-  if (!HasOculusPing(type)) return ImageOfPicture(type, bytes, encoding, where, options).image;
+  if (!IsSonarOculusPing(type)) return ImageOfPicture(type, bytes, encoding, where, options).image;
   return ImageOf(PingOf(ReadRosOculusPing(bytes, encoding, where), where), where, options);
 }
 
@@ -190,7 +190,7 @@ void DescribeSonarMessage(const std::string& type, std::span<const std::byte> by
     Describe(ReadOculusInterfaces(type, bytes, encoding, where).ping, options, info);
     return;
   }
-  if (!HasOculusPing(type)) {
+  if (!IsSonarOculusPing(type)) {
     DescribePicture(ImageOfPicture(type, bytes, encoding, where, options), options, info);
     return;
   }

@@ -5,7 +5,7 @@
 namespace sonarcal::metrics {
 namespace {
 
-std::optional<double> ShareIfAny(std::int64_t part, std::int64_t of) {
+std::optional<double> KnownShare(std::int64_t part, std::int64_t of) {
   if (of == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(of);
 }
@@ -17,15 +17,15 @@ int ClassOf(float score) {
 }  // namespace
 
 std::optional<double> Detection::precision() const {
-  return ShareIfAny(true_positives, true_positives + false_positives);
+  return KnownShare(true_positives, true_positives + false_positives);
 }
 
 std::optional<double> Detection::recall() const {
-  return ShareIfAny(true_positives, true_positives + false_negatives);
+  return KnownShare(true_positives, true_positives + false_negatives);
 }
 
 std::optional<double> Detection::iou() const {
-  return ShareIfAny(true_positives, true_positives + false_positives + false_negatives);
+  return KnownShare(true_positives, true_positives + false_positives + false_negatives);
 }
 
 Detection& Detection::operator+=(const Detection& other) {

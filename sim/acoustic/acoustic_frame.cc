@@ -14,8 +14,7 @@
 namespace sonarcal::sim {
 namespace {
 
-constexpr int kFrameBlockCols = RayCaster::kBlockCols;
-static_assert(kFrameBlockCols == row_math::kBlockCols);
+static_assert(RayCaster::kBlockCols == row_math::kBlockCols);
 
 // Power per fine row of a block of columns, before the common factor of the shader: FineRows::Spread in
 // single precision. Reused from block to block.
@@ -27,7 +26,7 @@ class BlockMap {
         rows_(RangeRowsOf(rows, axes)),
         count_(rows.count),
         max_tangent_(static_cast<float>(LargestTangent())),
-        power_(static_cast<std::size_t>(rows.count + 2) * kFrameBlockCols) {}
+        power_(static_cast<std::size_t>(rows.count + 2) * RayCaster::kBlockCols) {}
 
   void Cast(const RayCaster::ColumnBlock& block) {
     std::fill(power_.begin(), power_.end(), 0.0F);
@@ -36,8 +35,10 @@ class BlockMap {
   }
 
   int rows() const { return count_; }
-  // kFrameBlockCols values.
-  const float* Row(int row) const { return &power_[static_cast<std::size_t>(row + 1) * kFrameBlockCols]; }
+  // RayCaster::kBlockCols values.
+  const float* Row(int row) const {
+    return &power_[static_cast<std::size_t>(row + 1) * RayCaster::kBlockCols];
+  }
 
  private:
   void Add(const RowHits& hits) {
@@ -62,9 +63,9 @@ class BlockMap {
     const float above = position + 1.0F;
     const int row = static_cast<int>(above);
     const float further = (above - static_cast<float>(row)) * power;
-    float* cell = column + static_cast<std::ptrdiff_t>(row) * kFrameBlockCols;
+    float* cell = column + static_cast<std::ptrdiff_t>(row) * RayCaster::kBlockCols;
     cell[0] += power - further;
-    cell[kFrameBlockCols] += further;
+    cell[RayCaster::kBlockCols] += further;
   }
 
   void AddParts(float* column, int i) {
@@ -86,9 +87,9 @@ class BlockMap {
   float max_tangent_;
   int first_col_ = 0;
   PatchShader::Buffers shaded_;
-  std::array<float, kFrameBlockCols> parts_ = {};
-  std::array<float, kFrameBlockCols> position_ = {};
-  std::array<float, kFrameBlockCols> step_ = {};
+  std::array<float, RayCaster::kBlockCols> parts_ = {};
+  std::array<float, RayCaster::kBlockCols> position_ = {};
+  std::array<float, RayCaster::kBlockCols> step_ = {};
   std::vector<float> power_;  // one more row before the first and after the last
 };
 
@@ -156,7 +157,7 @@ PulsedMap PulsedCaster::Cast(const RayCaster& caster, const Pose& world_from_son
   CastBlocks(caster, fan_, world_from_sonar, axes, shader_, rows_,
              [&](const RayCaster::ColumnBlock& block, const BlockMap& map) {
                for (int bin = 0; bin < axes.range_bins; ++bin) {
-                 std::array<float, kFrameBlockCols> sums = {};
+                 std::array<float, RayCaster::kBlockCols> sums = {};
                  WeighRows(map, pulse_, bin * steps_ + first_row_, sums.data());
                  for (int i = 0; i < block.cols; ++i)
                    pulsed.power(bin, block.first_col + i) = factor * sums[i];

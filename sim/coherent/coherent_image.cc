@@ -11,6 +11,7 @@
 #include <span>
 
 #include "core/math/random.h"
+#include "core/types/units.h"
 #include "sim/ghosts/ghost_power.h"
 #include "sim/physics/beam_and_pulse.h"
 #include "sim/physics/echo_power_model.h"
@@ -23,7 +24,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kPulseReachInWidths = 2.5;  // 2^-25, -75 dB
 constexpr int kElementsATask = 40;
 

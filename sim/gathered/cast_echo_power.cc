@@ -23,7 +23,6 @@
 namespace sonarcal::sim {
 namespace {
 
-constexpr int kPowerBlockCols = RayCaster::kBlockCols;
 constexpr int kPositionSteps = 4096;  // a fortieth of the smallest interval between nodes
 
 // Powers of the eight corners of a cell between two rows, two columns and two nodes: index 4 row + 2 column +
@@ -107,9 +106,9 @@ class BlockGatherer {
       : shared_(shared),
         nodes_(static_cast<int>(CoarseIncidenceDeg().size())),
         words_(shared.materials * nodes_ / 64 + 1),
-        newest_(static_cast<std::size_t>(shared.rows + 1) * kPowerBlockCols, kNone),
-        sums_(static_cast<std::size_t>(kPowerBlockCols + 1) * shared.materials * nodes_, 0.0F),
-        present_(static_cast<std::size_t>(kPowerBlockCols + 1) * words_, 0) {}
+        newest_(static_cast<std::size_t>(shared.rows + 1) * RayCaster::kBlockCols, kNone),
+        sums_(static_cast<std::size_t>(RayCaster::kBlockCols + 1) * shared.materials * nodes_, 0.0F),
+        present_(static_cast<std::size_t>(RayCaster::kBlockCols + 1) * words_, 0) {}
 
   BlockEchoes Gather(const RayCaster::ColumnBlock& block) {
     first_joined_ = shared_.columns.first[block.first_col];
@@ -175,7 +174,7 @@ class BlockGatherer {
     const float further = above - static_cast<float>(row);
     const float nearer = 1.0F - further;
     const std::array<float, 4>& p = by_col_and_node;
-    SlotOf(row * kPowerBlockCols + col, key).power +=
+    SlotOf(row * RayCaster::kBlockCols + col, key).power +=
         Corners{nearer * p[0],  nearer * p[1],  nearer * p[2],  nearer * p[3],
                 further * p[0], further * p[1], further * p[2], further * p[3]};
   }
@@ -192,7 +191,7 @@ class BlockGatherer {
   // Adds the nearer (0) or further (1) half of the slots above a row to the sums by column and node.
   void AddHalf(int interval, int half) {
     for (int col = 0; col < joined_; ++col) {
-      std::int32_t at = newest_[interval * kPowerBlockCols + col];
+      std::int32_t at = newest_[interval * RayCaster::kBlockCols + col];
       if (at == kNone) continue;
       heard_ |= std::uint64_t{3} << col;
       for (; at != kNone; at = slots_[at].older) {
@@ -238,10 +237,10 @@ class BlockGatherer {
   int first_joined_ = 0;
   int joined_ = 0;  // columns that are to the left of an echo
   PatchShader::Buffers shaded_;
-  std::array<float, kPowerBlockCols> parts_ = {};
-  std::array<float, kPowerBlockCols> position_ = {};
-  std::array<float, kPowerBlockCols> step_ = {};
-  std::array<float, kPowerBlockCols> node_position_ = {};
+  std::array<float, RayCaster::kBlockCols> parts_ = {};
+  std::array<float, RayCaster::kBlockCols> position_ = {};
+  std::array<float, RayCaster::kBlockCols> step_ = {};
+  std::array<float, RayCaster::kBlockCols> node_position_ = {};
   std::vector<Slot> slots_;
   std::vector<std::int32_t> newest_;  // slot per row (one past the row below) and column
   std::vector<float> sums_;           // per column and node, of the row that is emitted

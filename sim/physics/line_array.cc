@@ -12,8 +12,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kFullTurnRad = 2.0 * std::numbers::pi;
-
 LineArray ArrayOfLength(double wavelengths, int elements, double taper) {
   LineArray array;
   double sum = 0.0;
@@ -33,7 +31,7 @@ LineArray ArrayOfLength(double wavelengths, int elements, double taper) {
 double LineArray::Power(double sine) const {
   Complex sum(0.0);
   for (std::size_t i = 0; i < shading.size(); ++i) {
-    sum += std::polar(shading[i], kFullTurnRad * position_wavelengths[i] * sine);
+    sum += std::polar(shading[i], kTwoPi * position_wavelengths[i] * sine);
   }
   return std::norm(sum);
 }
@@ -68,7 +66,7 @@ Beamformer::Beamformer(const LineArray& array, const PolarAxes& axes)
   for (int beam = 0; beam < axes.beam_count(); ++beam) {
     const double sine = std::sin(axes.beam_azimuth_rad[beam]);
     for (int i = 0; i < elements_; ++i) {
-      steering_(beam, i) = std::polar(array.shading[i], -kFullTurnRad * array.position_wavelengths[i] * sine);
+      steering_(beam, i) = std::polar(array.shading[i], -kTwoPi * array.position_wavelengths[i] * sine);
     }
   }
 }

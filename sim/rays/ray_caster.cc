@@ -189,7 +189,7 @@ void RayCaster::MeasureRanges(RTCRayHit8& packet, const float* farthest_m) const
   for (int lane = 0; lane < kPacket; ++lane)
     triangle[lane] = packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID ? packet.hit.primID[lane] : 0;
   const RTCRay8& ray = packet.ray;
-  row_math::PlaneRanges(planes_.front().data(), triangle,
+  row_math::PlaneRanges(planes_.data(), triangle,
                         {.origin_m = {ray.org_x, ray.org_y, ray.org_z},
                          .direction = {ray.dir_x, ray.dir_y, ray.dir_z},
                          .farthest_m = farthest_m},

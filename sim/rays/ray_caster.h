@@ -13,6 +13,7 @@
 #include "core/types/pose.h"
 #include "core/types/scene.h"
 #include "sim/rays/ray_fan.h"
+#include "sim/rays/row_math/directions.h"
 
 struct RTCRayHit8;
 
@@ -104,7 +105,7 @@ class RayCaster {
 
   // Unit normal of a triangle in world coordinates.
   Eigen::Vector3f TriangleNormal(int triangle) const {
-    const Plane& plane = planes_[triangle];
+    const row_math::Plane& plane = planes_[triangle];
     return Eigen::Vector3d(plane[0], plane[1], plane[2]).cast<float>();
   }
   std::uint16_t TriangleMaterial(int triangle) const { return scene_.triangle_material[triangle]; }
@@ -118,7 +119,6 @@ class RayCaster {
   struct Embree;
   struct RowBuffers;
   struct Casting;
-  using Plane = std::array<double, 4>;  // unit normal, and distance from the world's origin along it
   void MeasureRanges(RTCRayHit8& packet, const float* farthest_m) const;
   template <typename Met>
   void CastTiles(const Casting& casting, int row, RowBuffers& buffers, Met&& met) const;
@@ -126,8 +126,8 @@ class RayCaster {
                   const std::function<void(const RowHits&)>& take) const;
 
   Scene scene_;
-  std::unique_ptr<Embree> embree_;  // declared after the scene it reads, so destroyed first
-  std::vector<Plane> planes_;       // of the triangles
+  std::unique_ptr<Embree> embree_;       // declared after the scene it reads, so destroyed first
+  std::vector<row_math::Plane> planes_;  // of the triangles
 };
 
 }  // namespace sonarcal::sim

@@ -29,9 +29,12 @@ TEST(SyntheticTank, CurvesAndNoiseAreFoundAndHeldOutFramesAgreeAsSpeckleAllows) 
       << "each frame is traced once";
   ASSERT_TRUE(fit.usable) << fit.report.termination;
   EXPECT_NEAR(fit.parameters.receiver.noise_db.value(), tank.TrueNoiseDb(), 0.3);
-  for (const char* material : {"floor", "mockup"})
-    EXPECT_GE(testing::ExpectCurve(tank, fit.report, material).share_known, 0.9) << material;
-  testing::ExpectCurve(tank, fit.report, "wall");  // few pixels show it
+  for (const char* material : {"floor", "mockup"}) {
+    EXPECT_LE(testing::ExpectCurve(tank, fit.report, material).largest_error_db, testing::kMaxCurveErrorDb)
+        << material;
+  }
+  // Few pixels show the wall. The fit says so: near its normal the standard error is several decibels.
+  testing::ExpectCurve(tank, fit.report, "wall");
   for (const char* name : {"material.floor.gsab.C", "material.floor.gsab.D", "material.mockup.gsab.C"}) {
     const FittedParameter* parameter = fit.report.Find(name);
     ASSERT_NE(parameter, nullptr);

@@ -101,6 +101,7 @@ def transfer(recorded, **options):
 
 RUNS = {
     "simulate": ("Simulating", lambda w, r, s, f, p: w.simulate(progress=p)),
+    "check": ("Checking the poses", lambda w, r, s, f, p: w.simulate(progress=p)),
     "compare": ("Comparing", lambda w, r, s, f, p: sonarcal.compare(r, s, progress=p)),
     "save": ("Writing", lambda w, r, s, f, p: sonarcal.open_recording(r).save(f / "saved", progress=p)),
     "trace": ("Tracing", lambda w, r, s, f, p: fit(w, r, progress=p)),

@@ -90,7 +90,6 @@ std::size_t NameWidth(const calib::FitReport& report) {
 // curve is determined better than its parameters.
 std::string CurvesText(const calib::FitReport& report,
                        const std::map<std::string, workflow::IncidenceRange>& seen) {
-  constexpr double kSigmasOf95 = 1.96;
   constexpr std::array kAnglesDeg = {0, 5, 10, 20, 30, 45, 60, 75};
   std::string text;
   for (const calib::FittedCurve& curve : report.curves) {
@@ -102,7 +101,7 @@ std::string CurvesText(const calib::FitReport& report,
       if (deg < range->second.low_deg || deg > range->second.high_deg || i >= curve.backscatter_db.size())
         continue;
       text += fmt::format("    {:>2} deg  {:>7.2f} +- {:.2f}{}{}\n", deg, curve.backscatter_db[i],
-                          kSigmasOf95 * curve.sigma_db[i],
+                          calib::kSigmasOf95 * curve.sigma_db[i],
                           curve.truth_db.empty() ? "" : fmt::format("  truth {:>7.2f}", curve.truth_db[i]),
                           curve.determined[i] ? "" : "  pulled by its prior");
     }

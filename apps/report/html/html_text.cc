@@ -9,7 +9,6 @@ namespace sonarcal::report {
 namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
-constexpr std::string_view kMinus = "\xE2\x88\x92";        // U+2212
 constexpr std::string_view kDash = "\xE2\x80\x93";         // U+2013
 
 unsigned char ByteAt(std::string_view text, std::size_t index) {

@@ -8,6 +8,9 @@
 
 namespace sonarcal::report {
 
+// The minus sign U+2212.
+inline constexpr std::string_view kMinus = "\xE2\x88\x92";
+
 // Escapes text for element content and quoted attributes. Bytes that are not UTF-8, and control characters,
 // become U+FFFD.
 std::string EscapeHtml(std::string_view text);

@@ -6,10 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "apps/report/html/html_text.h"
+
 namespace sonarcal::report {
 namespace {
 
-constexpr std::string_view kMinusSign = "−";
 constexpr std::string_view kAbsent = "–";
 
 using Replacements = std::vector<std::pair<std::string_view, std::string_view>>;
@@ -46,7 +47,7 @@ std::string Latex(std::string_view text) {
                                         {"<", "$<$"},
                                         {">", "$>$"},
                                         {"|", "$|$"},
-                                        {kMinusSign, "$-$"},
+                                        {kMinus, "$-$"},
                                         {kAbsent, "--"},
                                         {"±", "$\\pm$"},
                                         {"°", "$^\\circ$"},
@@ -69,7 +70,7 @@ std::string Markdown(std::string_view text) {
 
 std::string Csv(std::string_view text) {
   if (text == kAbsent) return {};
-  std::string plain = Replaced(text, {{kMinusSign, "-"}});
+  std::string plain = Replaced(text, {{kMinus, "-"}});
   if (plain.find_first_of(",\"\n\r") == std::string::npos) return plain;
   return fmt::format("\"{}\"", Replaced(plain, {{"\"", "\"\""}}));
 }

@@ -10,8 +10,7 @@
 namespace sonarcal::report {
 namespace {
 
-constexpr int kChangeDecimals = 3;
-constexpr const char* kNoChange = "–";
+constexpr const char* kNotExplained = "–";
 
 const char* VerdictText(metrics::ChangeVerdict verdict) {
   switch (verdict) {
@@ -50,11 +49,11 @@ void AddAgainst(HtmlReport& report, const metrics::Against& against) {
     const bool told =
         change.verdict == metrics::ChangeVerdict::kBetter || change.verdict == metrics::ChangeVerdict::kWorse;
     if (!change.headline && !told) continue;
-    table.rows.push_back({{metrics::Figures()[metrics::FigureIndex(change.path)].label,
-                           change.fan ? "fan" : "polar", FormatNumber(change.earlier, kChangeDecimals),
-                           FormatNumber(change.now, kChangeDecimals), VerdictText(change.verdict),
-                           change.explained ? fmt::format("{:.0f}", 100.0 * *change.explained) : kNoChange},
-                          change.headline ? RowStyle::kStrong : RowStyle::kPlain});
+    table.rows.push_back(
+        {{metrics::Figures()[metrics::FigureIndex(change.path)].label, change.fan ? "fan" : "polar",
+          FigureText(change.earlier), FigureText(change.now), VerdictText(change.verdict),
+          change.explained ? fmt::format("{:.0f}", 100.0 * *change.explained) : kNotExplained},
+         change.headline ? RowStyle::kStrong : RowStyle::kPlain});
   }
   report.Add(table);
 }

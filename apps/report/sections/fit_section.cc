@@ -28,7 +28,6 @@ constexpr double kCurveDepthDb = 60.0;
 constexpr double kStrongCorrelation = 0.9;
 constexpr std::size_t kMapsShown = 3;
 constexpr double kMinMapShare = 1e-3;  // share of a frame's pixels; a map does not show fewer
-constexpr double kSigmasOf95 = 1.96;
 constexpr double kWidestSigmaDb = 5.0;
 constexpr std::size_t kCorrelationsShown = 8;
 
@@ -122,8 +121,8 @@ ChartSeries BandOf(const calib::FittedCurve& curve) {
   band.colour = 0;
   for (std::size_t i = 0; i < band.y.size(); ++i) {
     if (!(curve.sigma_db[i] < kWidestSigmaDb)) band.y[i] = std::numeric_limits<double>::quiet_NaN();
-    band.low.push_back(band.y[i] - kSigmasOf95 * curve.sigma_db[i]);
-    band.high.push_back(band.y[i] + kSigmasOf95 * curve.sigma_db[i]);
+    band.low.push_back(band.y[i] - calib::kSigmasOf95 * curve.sigma_db[i]);
+    band.high.push_back(band.y[i] + calib::kSigmasOf95 * curve.sigma_db[i]);
   }
   return band;
 }

@@ -17,8 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kTargetSigmasOf95 = 1.96;
-
 std::string StrengthText(const calib::SphereStrength& strength) {
   return fmt::format("{:.2f} +- {:.2f} dB re 1 m^2, {}", strength.db, strength.sigma_db,
                      strength.front_face
@@ -165,7 +163,7 @@ void AddSensitivities(HtmlReport& report, const calib::StandardTargetFit& fit) {
     if (!IsSensitivity(parameter)) continue;
     series.x.push_back(std::stod(parameter.name.substr(parameter.name.rfind('.') + 1)));
     series.y.push_back(parameter.value);
-    const double half_db = kTargetSigmasOf95 * parameter.sigma.value_or(0.0);
+    const double half_db = calib::kSigmasOf95 * parameter.sigma.value_or(0.0);
     series.low.push_back(parameter.value - half_db);
     series.high.push_back(parameter.value + half_db);
   }

@@ -1,7 +1,6 @@
 #include "sim/rays/row_math/directions.h"
 
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/math/vector_versions.h"
@@ -178,7 +177,7 @@ void HalfTangents(const float* __restrict dx, const float* __restrict dy, const 
 
 namespace {
 
-__attribute__((always_inline)) inline float RangeTo(const double* plane, const Rays& rays, int i) {
+__attribute__((always_inline)) inline float RangeTo(const Plane& plane, const Rays& rays, int i) {
   const double towards =
       plane[0] * rays.direction[0][i] + plane[1] * rays.direction[1][i] + plane[2] * rays.direction[2][i];
   const double away = plane[3] - (plane[0] * rays.origin_m[0][i] + plane[1] * rays.origin_m[1][i] +
@@ -192,17 +191,16 @@ __attribute__((always_inline)) inline float RangeTo(const double* plane, const R
 }  // namespace
 
 SONARCAL_VECTOR_VERSIONS
-void PlaneRanges(const double* __restrict planes, const std::uint32_t* __restrict plane, const Rays& rays,
+void PlaneRanges(const Plane* __restrict planes, const std::uint32_t* __restrict plane, const Rays& rays,
                  int count, float* __restrict range_m) {
-  const auto of = [&](int i) { return planes + 4 * static_cast<std::size_t>(plane[i]); };
   int others = 0;
   for (int i = 0; i < count; ++i) others += plane[i] != plane[0] ? 1 : 0;
   if (others == 0) {
-    // Most neighbouring rays meet one plane, and vector instructions then need no gathering.
-    const double* only = of(0);
+    // Most neighbouring rays meet one plane. Vector instructions then need not gather planes.
+    const Plane& only = planes[plane[0]];
     for (int i = 0; i < count; ++i) range_m[i] = RangeTo(only, rays, i);
   } else {
-    for (int i = 0; i < count; ++i) range_m[i] = RangeTo(of(i), rays, i);
+    for (int i = 0; i < count; ++i) range_m[i] = RangeTo(planes[plane[i]], rays, i);
   }
 }
 

@@ -36,16 +36,17 @@ void CellWeights(const float* cosine, const float* limit, const float* per_rad, 
 void HalfTangents(const float* dx, const float* dy, const float* dz, const float* nx, const float* ny,
                   const float* nz, int count, float* half_tangent);
 
-// Rays of any origins, by component.
+// Plane n . x = d: unit normal n, and distance d from the world's origin, m.
+using Plane = std::array<double, 4>;
+// Rays from any points, by component. Directions are unit vectors.
 struct Rays {
   std::array<const float*, 3> origin_m;
   std::array<const float*, 3> direction;
   const float* farthest_m = nullptr;
 };
-// Distances along rays to planes: of ray i to plane[i], which has normal planes[4 p .. 4 p + 2] and distance
-// planes[4 p + 3] from the world's origin, limited to 0 .. farthest_m. In double precision up to the result.
-// A ray within the plane gets any distance of these.
-void PlaneRanges(const double* planes, const std::uint32_t* plane, const Rays& rays, int count,
+// Range along ray i to planes[plane[i]], m, limited to 0 .. farthest_m. It is computed in double precision
+// and then rounded. A ray that is parallel to its plane gets either limit.
+void PlaneRanges(const Plane* planes, const std::uint32_t* plane, const Rays& rays, int count,
                  float* range_m);
 
 // Angles between 0 and 90 degrees of these sines and cosines (or of any multiple of both), rad.

@@ -1,8 +1,8 @@
 // Numbers on other processors: the program under other instruction sets, beside the program as it is.
 // Without AVX2 and FMA, arithmetic of rows, the maths library and the ray tracer run other code. An emulator
-// runs the whole program on a processor that has neither, and on one that has both but is not of the maker of
-// this machine's: its estimates of reciprocals and roots have other bits. What this machine cannot run is
-// skipped.
+// runs the whole program on a processor that has neither. It also runs it on a processor that has both, but
+// whose estimates of reciprocals and roots have other bits, as those of another maker have. What this machine
+// cannot run is skipped.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ constexpr double kMaxShareApart = 1e-3;
 struct Processor {
   const char* name;
   const char* prefix;  // words before the command
-  bool same_bits;      // of images, as on any processor with AVX2 and FMA; fits add the libraries of Ceres
+  bool same_bits;      // it has AVX2 and FMA, so images must have the same bits
 
   friend std::ostream& operator<<(std::ostream& out, const Processor& processor) {
     return out << processor.name;
@@ -92,7 +92,7 @@ double ShareApart(const Grid<float>& one, const Grid<float>& other, float levels
   return apart / static_cast<double>(one.size());
 }
 
-TEST_P(OtherProcessor, ImagesAreEqualOrAFewLevelsOf65535Apart) {
+TEST_P(OtherProcessor, ImagesAreEqual) {
   struct Image {
     ParameterSet parameters;
     const char* option;
@@ -125,7 +125,7 @@ TEST_P(OtherProcessor, ImagesAreEqualOrAFewLevelsOf65535Apart) {
 }
 
 // All fits to a recording must end at the same optimum, so no decision may depend on rounding.
-TEST_P(OtherProcessor, FitsEndWithinATenthOfAStandardErrorOrAMillionth) {
+TEST_P(OtherProcessor, FitsEndAtTheSameOptimum) {
   for (const ParameterSet& truth : {TinyParameters(), TinyAcousticParameters()}) {
     SCOPED_TRACE(truth.model == EchoModel::kPaper ? "paper" : "acoustic");
     data_io::WriteParameters(world_.params(), truth);

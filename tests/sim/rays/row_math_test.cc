@@ -112,10 +112,10 @@ TEST(RowMath, PlaneRangesAreThoseOfTheEquation) {
   std::normal_distribution<double> normal;
   constexpr int kCount = 500;
   constexpr int kPlanes = 3;
-  std::vector<double> planes;
+  std::vector<row_math::Plane> planes;
   for (int p = 0; p < kPlanes; ++p) {
     const Eigen::Vector3d of = Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
-    planes.insert(planes.end(), {of.x(), of.y(), of.z(), 1e3 * normal(random)});
+    planes.push_back({of.x(), of.y(), of.z(), 1e3 * normal(random)});
   }
   std::array<std::vector<float>, 3> origin_m;
   std::array<std::vector<float>, 3> direction;
@@ -142,11 +142,11 @@ TEST(RowMath, PlaneRangesAreThoseOfTheEquation) {
       if (mixed[i] == one[i]) {
         EXPECT_EQ(of_mixed[i], of_one[i]) << i;
       }
-      long double away = planes[4 * p + 3];
+      long double away = planes[p][3];
       long double towards = 0.0L;
       for (int k = 0; k < 3; ++k) {
-        away -= static_cast<long double>(planes[4 * p + k]) * origin_m[k][i];
-        towards += static_cast<long double>(planes[4 * p + k]) * direction[k][i];
+        away -= static_cast<long double>(planes[p][k]) * origin_m[k][i];
+        towards += static_cast<long double>(planes[p][k]) * direction[k][i];
       }
       const auto expected_m = static_cast<double>(std::clamp(away / towards, 0.0L, 5000.0L));
       EXPECT_NEAR(of_one[i], expected_m, 6.1e-8 * expected_m) << i;
@@ -328,11 +328,11 @@ TEST(RowMath, HalfTangentsOfNormalsOfEveryLength) {
 }
 
 TEST(RowMath, RangesOfRaysWithinAPlaneAreLimited) {
-  const std::vector<double> plane = {0.0, 0.0, 1.0, 2.0};
+  const row_math::Plane plane = {0.0, 0.0, 1.0, 2.0};
   const std::vector<std::uint32_t> first(17, 0);
   const auto range_m = [&](float height_m, float upward) {
     std::vector<float> found(17);
-    row_math::PlaneRanges(plane.data(), first.data(),
+    row_math::PlaneRanges(&plane, first.data(),
                           {.origin_m = {Row(0.0F).data(), Row(0.0F).data(), Row(height_m).data()},
                            .direction = {Row(1.0F).data(), Row(0.0F).data(), Row(upward).data()},
                            .farthest_m = Row(30.0F).data()},
