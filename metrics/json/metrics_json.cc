@@ -22,10 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array kDomains = {IntensityDomain::kUnion, IntensityDomain::kWhole, IntensityDomain::kOverlap};
 
-Json Nullable(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 // Node at a path such as "intensity.union.rmse" below a view.
 Json& Place(Json& view, std::string_view path) {
   Json* node = &view;

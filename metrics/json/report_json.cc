@@ -19,10 +19,6 @@ Json Counts(const Against& against, bool headline_only) {
   return json;
 }
 
-Json Nullable(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 // Rounds to six decimals: a thousandth of a grey level of 255 or less, at half the length.
 Json SixDecimals(const std::optional<double>& value) {
   return value ? Json(std::round(*value * 1e6) / 1e6) : Json(nullptr);
@@ -83,6 +79,10 @@ Json MapJson(const ResidualMap& map) {
 }
 
 }  // namespace
+
+Json Nullable(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
 
 Json ResidualsJson(const ResidualCollector& residuals, const std::vector<ResidualTable>& by_scene) {
   if (residuals.frames() == 0) return nullptr;
