@@ -13,12 +13,10 @@
 namespace sonarcal::metrics {
 namespace {
 
-using Json = nlohmann::json;
-
 // Value at a path such as "intensity.union.rmse" below a node; null if there is none.
-const Json& At(const Json& view, std::string_view path) {
-  static const Json kNone;
-  const Json* node = &view;
+const nlohmann::json& At(const nlohmann::json& view, std::string_view path) {
+  static const nlohmann::json kNone;
+  const nlohmann::json* node = &view;
   while (!path.empty()) {
     const std::size_t dot = std::min(path.find('.'), path.size());
     const std::string key(path.substr(0, dot));
@@ -29,34 +27,34 @@ const Json& At(const Json& view, std::string_view path) {
   return *node;
 }
 
-std::optional<double> NumberAt(const Json& view, std::string_view path) {
-  const Json& number = At(view, path);
+std::optional<double> NumberAt(const nlohmann::json& view, std::string_view path) {
+  const nlohmann::json& number = At(view, path);
   return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;
 }
 
-std::optional<Interval> IntervalAt(const Json& view, const std::string& path) {
-  const Json& ci = At(view, path + "_ci");
+std::optional<Interval> IntervalAt(const nlohmann::json& view, const std::string& path) {
+  const nlohmann::json& ci = At(view, path + "_ci");
   if (!ci.is_array() || ci.size() != 2 || !ci[0].is_number() || !ci[1].is_number()) return std::nullopt;
   return Interval{ci[0].get<double>(), ci[1].get<double>()};
 }
 
-const Json& ViewOf(const Json& summary, bool fan) {
+const nlohmann::json& ViewOf(const nlohmann::json& summary, bool fan) {
   return fan ? At(summary, "fan") : summary;
 }
 
 // One frame in both comparisons.
 struct Pair {
   const FrameMetrics* now = nullptr;
-  const Json* earlier = nullptr;
+  const nlohmann::json* earlier = nullptr;
 };
 
-std::vector<Pair> CommonFrames(const MetricsReport& now, const Json& earlier) {
-  std::map<std::pair<int, std::string>, const Json*> frames;
-  const Json& listed = At(earlier, "frames");
+std::vector<Pair> CommonFrames(const MetricsReport& now, const nlohmann::json& earlier) {
+  std::map<std::pair<int, std::string>, const nlohmann::json*> frames;
+  const nlohmann::json& listed = At(earlier, "frames");
   if (!listed.is_array()) return {};
-  for (const Json& frame : listed) {
-    const Json& index = At(frame, "index");
-    const Json& name = At(frame, "name");
+  for (const nlohmann::json& frame : listed) {
+    const nlohmann::json& index = At(frame, "index");
+    const nlohmann::json& name = At(frame, "name");
     if (!index.is_number_integer()) continue;
     frames[{index.get<int>(), name.is_string() ? name.get<std::string>() : std::string()}] = &frame;
   }
@@ -142,8 +140,8 @@ void SetVerdictByIntervals(const std::optional<Interval>& now, const std::option
 }
 
 // Differences in the compared data or settings that change figures by themselves.
-std::vector<std::string> Notes(const MetricsReport& now, const Json& now_json, const Json& earlier,
-                               const std::vector<Pair>& pairs) {
+std::vector<std::string> Notes(const MetricsReport& now, const nlohmann::json& now_json,
+                               const nlohmann::json& earlier, const std::vector<Pair>& pairs) {
   std::vector<std::string> notes;
   const auto differ = [&](const char* key) {
     return earlier.contains(key) && now_json.contains(key) && earlier[key] != now_json[key];
@@ -181,16 +179,16 @@ std::optional<double> ExplainedFraction(double badness_before, double badness_af
 
 Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text,
                        const std::string& earlier_name) {
-  const Json earlier = Json::parse(earlier_text, nullptr, false);
-  if (!earlier.is_object() || earlier.value("format", Json()) != "sonar-metrics/1" ||
+  const nlohmann::json earlier = nlohmann::json::parse(earlier_text, nullptr, false);
+  if (!earlier.is_object() || earlier.value("format", nlohmann::json()) != "sonar-metrics/1" ||
       !earlier.contains("macro")) {
     throw DataError("{}: found no comparison, expected a metrics.json of format sonar-metrics/1",
                     earlier_name);
   }
-  const Json& macro = earlier["macro"];
+  const nlohmann::json& macro = earlier["macro"];
   const std::vector<Pair> pairs = CommonFrames(now, earlier);
   const bool paired = static_cast<int>(pairs.size()) >= kBootstrapMinFrames;
-  const Json now_json = Json::parse(MetricsSummaryJson(now));
+  const nlohmann::json now_json = nlohmann::json::parse(MetricsSummaryJson(now));
   Against against{.earlier = earlier_name,
                   .common_frames = paired ? static_cast<int>(pairs.size()) : 0,
                   .figures = {},
@@ -199,7 +197,7 @@ Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text
   const std::string error_path = IntensityErrorPath(now.options.intensity_domain);
   for (const bool fan : {false, true}) {
     const ViewSummary& view = fan ? now.aggregate.macro.fan : now.aggregate.macro.polar;
-    const Json& view_then = ViewOf(macro, fan);
+    const nlohmann::json& view_then = ViewOf(macro, fan);
     for (std::size_t f = 0; f < Figures().size(); ++f) {
       const Figure& figure = Figures()[f];
       const std::optional<double> then = NumberAt(view_then, figure.path);
