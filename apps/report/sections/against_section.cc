@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/report/html/html_text.h"
+#include "apps/report/sections/figure_words.h"
 #include "metrics/figures.h"
 
 namespace sonarcal::report {
