@@ -168,7 +168,7 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
   std::vector<int> empty;
   {
     cli::Progress progress("Checking the poses", static_cast<int>(poses.size()), options.common);
-    empty = sim::PosesThatSeeNothing(simulator, world_from_sonar, [&](int done) { progress.Show(done); });
+    empty = sim::PosesThatSeeNothing(simulator, world_from_sonar, [&](int done) { progress.Update(done); });
   }
   if (!empty.empty())
     cli::PrintNote(options.common, sim::EmptyFramesWarning(simulator, world_from_sonar, empty));
