@@ -97,7 +97,7 @@ build_tbb() {
 
 say "Step 1 of 2: packages and build"
 "$root/scripts/setup.sh" --tests --no-build
-options=()
+options=(-DSONARCAL_UNITY=ON)
 if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
 cd "$root"
 quietly "Configuring build-$preset/" cmake --preset "$preset" "${options[@]}" ||

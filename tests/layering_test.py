@@ -1,4 +1,4 @@
-"""The walls of the house: which folder may include which, and which library stays in which file.
+"""The walls of the house: which folder may include which, which library stays in which file, and which names meet.
 
     layering_test.py ROOT         checks the tree, one line a violation, status 1 if there are any
     layering_test.py --self-test  shows on a made-up tree that each wall holds
@@ -103,6 +103,7 @@ LIBRARIES = {
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+CONSTANT = re.compile(r"^(?:inline )?(?:constexpr|const) [^=({]*?\b(k[A-Z]\w*)(?:\[\w*\])*\s*[={]", re.MULTILINE)
 SUFFIXES = (".h", ".cc")
 
 
@@ -137,8 +138,25 @@ def include_fault(name, quote, target):
     return None
 
 
+def hiding_constants(root):
+    """Constants of sources with the name of a header's constant.
+
+    Where several sources are compiled at a time (SONARCAL_UNITY), the others may take one constant for the other.
+    """
+    texts = {
+        path.relative_to(root).as_posix(): path.read_text(encoding="utf-8")
+        for library in {*(folder.split("/")[0] for folder in FOLDERS), "tests"} for path in (root / library).rglob("*")
+        if path.suffix in SUFFIXES
+    }
+    header_of = {constant: name for name, text in texts.items() if name.endswith(".h") for constant in CONSTANT.findall(text)}
+    for name, text in sorted(texts.items()):
+        for constant in CONSTANT.findall(text) if name.endswith(".cc") else ():
+            if constant in header_of:
+                yield f"{name}: {constant} hides that of {header_of[constant]}"
+
+
 def violations(root):
-    found = []
+    found = list(hiding_constants(root))
     files_in = {}
     for name, text in sources(root):
         folder = name.rpartition("/")[0]
@@ -214,6 +232,11 @@ def self_test():
         for name, text, expected in cases
         if is_violation({name: text}) != expected
     ]
+    header = {"sim/a.h": "inline constexpr int kBins = 3;"}
+    for text, expected in (("constexpr double kBins[] = {1.0};", True),
+                           ("constexpr std::array<int, kBins> kRows = {};", False)):
+        if is_violation({**header, "tests/sim/a.cc": text}) != expected:
+            wrong.append(f"tests/sim/a.cc: {text!r}: expected {'a' if expected else 'no'} violation")
     for count, expected in ((MAX_FILES, False), (MAX_FILES + 1, True)):
         if is_violation({f"sim/{i}.cc": "" for i in range(count)}) != expected:
             wrong.append(f"{count} files in a folder: expected {'a' if expected else 'no'} violation")

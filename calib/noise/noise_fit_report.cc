@@ -13,7 +13,7 @@ namespace {
 // A parameter is unidentifiable if its variance exceeds this share of the prior variance (half of the
 // standard deviation), or if its sigma exceeds a surprisingly large step of a level.
 constexpr double kMaxPriorShare = 0.25;
-constexpr double kLevelStepDb = 20.0;
+constexpr double kMaxSigmaDb = 20.0;
 constexpr double kTogether = 0.9;  // a correlation above which two parameters are determined only together
 
 class Builder {
@@ -83,7 +83,7 @@ class Builder {
   bool IsDetermined(int place, const std::string& unit) const {
     const double variance = Variance(place);
     const double most = kMaxPriorShare / solution_.prior_precision[place];
-    return variance <= (unit == "dB" ? std::min(most, kLevelStepDb * kLevelStepDb) : most);
+    return variance <= (unit == "dB" ? std::min(most, kMaxSigmaDb * kMaxSigmaDb) : most);
   }
 
   // Returns true if the result is the prior: the pings have no information.
@@ -118,7 +118,7 @@ class Builder {
     at_middle[layout.slope] = 0.5 * (near_m + far_m);
     const double variance =
         std::max(at_middle.dot(covariance_ * at_middle), at_middle.dot(posterior_ * at_middle));
-    if (!(variance <= 0.25 * Variance(layout.noise_db) && variance <= kLevelStepDb * kLevelStepDb)) return;
+    if (!(variance <= 0.25 * Variance(layout.noise_db) && variance <= kMaxSigmaDb * kMaxSigmaDb)) return;
     report_.unidentifiable_directions.push_back(fmt::format(
         "receiver.noise_db and receiver.noise_slope_db_per_m are not determined separately: only the noise "
         "level over the fitted ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",

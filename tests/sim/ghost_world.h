@@ -10,17 +10,18 @@
 
 namespace sonarcal::testing {
 
-inline constexpr double kAzimuthWidthDeg = 1.6;
-inline constexpr double kElevationWidthDeg = 24.0;
+inline constexpr double kGhostAzimuthWidthDeg = 1.6;
+inline constexpr double kGhostElevationWidthDeg = 24.0;
 inline constexpr double kPulseM = 0.1;
 inline constexpr double kLossDb = 4.5;
-inline constexpr int kBeams = 64;
-inline constexpr int kBins = 60;
+inline constexpr int kGhostBeams = 64;
+inline constexpr int kGhostBins = 60;
 
 // 64 beams of 0.8 degrees; 60 bins of 5 cm from 2.5 m on.
 inline SonarModel GhostSonar() {
-  SonarModel sonar = MakeSonar(EvenAzimuthsDeg(kBeams, 0.8), kElevationWidthDeg, 2.5, 5.5, kBins);
-  sonar.azimuth_beam_width_deg = kAzimuthWidthDeg;
+  SonarModel sonar =
+      MakeSonar(EvenAzimuthsDeg(kGhostBeams, 0.8), kGhostElevationWidthDeg, 2.5, 5.5, kGhostBins);
+  sonar.azimuth_beam_width_deg = kGhostAzimuthWidthDeg;
   return sonar;
 }
 
@@ -51,7 +52,7 @@ struct GhostAcoustics {
   }
   // Of the ghosts alone, through beam and pulse.
   Grid<float> Power(const sim::GhostList& ghosts) const {
-    const sim::RayFan fan = Fan(4 * kBeams, 1);
+    const sim::RayFan fan = Fan(4 * kGhostBeams, 1);
     sim::ScatterMap scatter = sim::MakeScatterMap(Nothing(fan), fan, geometry(), parameters);
     sim::AddGhosts(ghosts, geometry(), parameters, scatter);
     return sim::ExpectedPower(scatter, geometry(), parameters).value;

@@ -10,7 +10,6 @@
 namespace sonarcal::testing::reference {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Where a ray is within a convex body, and the normals of the walls it comes and goes by.
@@ -105,9 +104,9 @@ Convex Wall(const Vector3d& base, const Vector3d& axis, double radius, int sides
   const Vector3d v = Vector3d::Unit((along + 2) % 3);
   Convex wall;
   for (int side = 0; side < sides; ++side) {
-    const double angle = 2.0 * kPi * (side + 0.5) / sides;
+    const double angle = 2.0 * std::numbers::pi * (side + 0.5) / sides;
     const Vector3d normal = std::cos(angle) * u + std::sin(angle) * v;
-    wall.planes.push_back({normal, normal.dot(base) + radius * std::cos(kPi / sides)});
+    wall.planes.push_back({normal, normal.dot(base) + radius * std::cos(std::numbers::pi / sides)});
   }
   return wall;
 }
@@ -200,9 +199,9 @@ void AddMockup(World& world, const Eigen::Isometry3d& world_from_mockup) {
   // Sides, each in its own frame: x to the right, y up and z outwards from the middle of the core's face.
   const auto panel_to = [&](int side) {
     Eigen::Isometry3d to = world_from_mockup;
-    to.rotate(Eigen::AngleAxisd(0.5 * kPi * side, Vector3d::UnitZ()));
+    to.rotate(Eigen::AngleAxisd(0.5 * std::numbers::pi * side, Vector3d::UnitZ()));
     to.translate(Vector3d(0.0, -kCore, 0.75));
-    to.rotate(Eigen::AngleAxisd(0.5 * kPi, Vector3d::UnitX()));
+    to.rotate(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitX()));
     return to;
   };
   const auto bar = [&](int side, double x, double y, double width, double height, double rise) {
@@ -269,7 +268,7 @@ World PaperTank() {
   const auto stand = [&](double at_x, double at_y, double yaw_deg) {
     Eigen::Isometry3d to = Eigen::Isometry3d::Identity();
     to.translate(Vector3d(at_x, at_y, 0.0));
-    to.rotate(Eigen::AngleAxisd(yaw_deg * kPi / 180.0, Vector3d::UnitZ()));
+    to.rotate(Eigen::AngleAxisd(yaw_deg * std::numbers::pi / 180.0, Vector3d::UnitZ()));
     AddMockup(world, to);
   };
   stand(4.8, 6.4, 12.0);
@@ -301,9 +300,9 @@ Frame::Frame(const World& world, const Sonar& sonar, const Settings& settings, S
   const std::vector<double>& centre = sonar_.beam_deg;
   std::vector<double> edge(beams() + 1);
   for (int beam = 1; beam < beams(); ++beam)
-    edge[beam] = 0.5 * (centre[beam - 1] + centre[beam]) * kPi / 180.0;
-  edge[0] = 2.0 * centre.front() * kPi / 180.0 - edge[1];
-  edge[beams()] = 2.0 * centre.back() * kPi / 180.0 - edge[beams() - 1];
+    edge[beam] = 0.5 * (centre[beam - 1] + centre[beam]) * std::numbers::pi / 180.0;
+  edge[0] = 2.0 * centre.front() * std::numbers::pi / 180.0 - edge[1];
+  edge[beams()] = 2.0 * centre.back() * std::numbers::pi / 180.0 - edge[beams() - 1];
 
   rays_of_beam_.assign(beams(), 0);
   const auto add = [&](double azimuth_rad, int beam) {
@@ -342,7 +341,7 @@ Frame::Frame(const World& world, const Sonar& sonar, const Settings& settings, S
 }
 
 Vector3d Frame::Direction(int row, int col, double right_rad, double up_rad) const {
-  const double half_rad = 0.5 * sonar_.elevation_deg * kPi / 180.0;
+  const double half_rad = 0.5 * sonar_.elevation_deg * std::numbers::pi / 180.0;
   const double down = (row + 0.5) / rows_;  // 0 .. 1
   Vector3d in_sonar;
   if (spread_ == Spread::kFrustum) {
@@ -367,7 +366,7 @@ int Frame::Bin(double range_m) const {
 // Eqs. 11 to 22: full scale times s over the rays of the beam.
 double Frame::Share(const Hit& hit, double cosine, int beam) const {
   const Gsab& g = settings_.materials[hit.material];
-  const double delta = std::acos(std::min(1.0, cosine)) * 180.0 / kPi;
+  const double delta = std::acos(std::min(1.0, cosine)) * 180.0 / std::numbers::pi;
   const double gsab = g.a * std::exp(-delta * delta / (2.0 * g.b_deg * g.b_deg)) +
                       g.c * std::pow(cosine, g.d) +
                       g.e * std::exp(-delta * delta / (2.0 * g.f_deg * g.f_deg));

@@ -25,7 +25,7 @@ const SonarModel& P900() {
   return FindSonarPreset("p900-45").sonar;
 }
 
-constexpr double kAlphaDbPerM = 0.22;
+constexpr double kSampledAlphaDbPerM = 0.22;
 
 // Every material alike, by Table 4, over the display that `sonarcal scenes` writes.
 PaperParameters<double> TableFour(std::size_t materials) {
@@ -40,7 +40,8 @@ PaperParameters<double> TableFour(std::size_t materials) {
 Grid<float> Render(const Scene& scene, const SonarModel& sonar, const RayFanOptions& fan, const Pose& pose) {
   const RayCaster caster(scene);
   const EchoList echoes = Trace(caster, RayFan(sonar, fan), pose, sonar.axes);
-  return RenderPaperImage(echoes, sonar, TableFour(caster.material_names().size()), kAlphaDbPerM).value;
+  return RenderPaperImage(echoes, sonar, TableFour(caster.material_names().size()), kSampledAlphaDbPerM)
+      .value;
 }
 
 Pose LevelAt(double x_m, double y_m, double z_m) {
@@ -71,7 +72,7 @@ class Stripes : public BothWays {
 
   // Greatest level of one ray at a range, in units of full scale.
   static double LevelOfARay(double range_m) {
-    return SlowNormalisedEcho(TableFour(1), 0, range_m, std::acos(kHeightM / range_m), kAlphaDbPerM);
+    return SlowNormalisedEcho(TableFour(1), 0, range_m, std::acos(kHeightM / range_m), kSampledAlphaDbPerM);
   }
 
   // Dark bins between lit ones along the middle beam, from 4.5 m on, where the floor is in view.
@@ -366,7 +367,7 @@ class TwoSamplings : public ::testing::TestWithParam<bool> {
   Grid<float> Image(Sampling sampling, RayWeight weight, int cols, int rows) const {
     const RayFan fan(P900(), {.sampling = sampling, .cols = cols, .rows = rows, .weight = weight});
     return RenderPaperFrame(caster_, fan, pose_, P900(), TableFour(caster_.material_names().size()),
-                            kAlphaDbPerM)
+                            kSampledAlphaDbPerM)
         .value;
   }
 

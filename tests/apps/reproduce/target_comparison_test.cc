@@ -38,7 +38,7 @@ using ::testing::Not;
 
 constexpr double kFullScale = 4095.0;
 constexpr int kFittedFrame = 1;
-constexpr int kHeldOutFrame = 2;
+constexpr int kFrameHeldOut = 2;
 
 float LargestOf(const PolarImage& image) {
   const auto values = image.value.values();
@@ -92,7 +92,7 @@ class TargetComparisonTest : public ::testing::Test {
     TargetCase target;
     target.recording = "recording";
     target.fitted_frame = kFittedFrame;
-    target.held_out_frame = kHeldOutFrame;
+    target.held_out_frame = kFrameHeldOut;
     target.water = Water{.temperature_c = 5.0, .salinity_ppt = 35.0, .ph = 8.0, .depth_m = 10.0};
     target.azimuth_beam_width_deg = 0.6;
     target.elevation_span_deg = 28.0;
@@ -135,7 +135,7 @@ class TargetComparisonTest : public ::testing::Test {
     synthetic.acoustic.fit.report.warnings.clear();
     synthetic.acoustic.sample_before = target.paper.before;
     synthetic.acoustic.sample_after = target.paper.after;
-    synthetic.data_sets.push_back({.frames = {kHeldOutFrame},
+    synthetic.data_sets.push_back({.frames = {kFrameHeldOut},
                                    .before = {},
                                    .after = {},
                                    .acoustic_expected = {},
@@ -171,16 +171,16 @@ TEST_F(TargetComparisonTest, SimulatedImagesHaveTheGreyLevelsOfTheRecording) {
 TEST_F(TargetComparisonTest, FramesHaveTheNumbersOfThePlan) {
   const calib::FitReport& acoustic = result_->fitted.acoustic.fit.report;
   EXPECT_THAT(acoustic.frames_used, ElementsAre(kFittedFrame));
-  EXPECT_THAT(acoustic.frames_held_out, ElementsAre(kHeldOutFrame));
+  EXPECT_THAT(acoustic.frames_held_out, ElementsAre(kFrameHeldOut));
   ASSERT_EQ(result_->fitted.expected_frames.size(), 1U);
-  EXPECT_EQ(result_->fitted.expected_frames[0].metrics.index, kHeldOutFrame);
-  EXPECT_EQ(result_->fitted.sample_frames.at(0).metrics.index, kHeldOutFrame);
-  EXPECT_EQ(result_->fitted.expected.frames.at(0).index, kHeldOutFrame);
+  EXPECT_EQ(result_->fitted.expected_frames[0].metrics.index, kFrameHeldOut);
+  EXPECT_EQ(result_->fitted.sample_frames.at(0).metrics.index, kFrameHeldOut);
+  EXPECT_EQ(result_->fitted.expected.frames.at(0).index, kFrameHeldOut);
   ASSERT_TRUE(result_->paper.fit.usable);
   EXPECT_THAT(result_->paper.fit.report.frames_used, ElementsAre(kFittedFrame));
-  EXPECT_THAT(result_->paper.fit.report.frames_held_out, ElementsAre(kHeldOutFrame));
+  EXPECT_THAT(result_->paper.fit.report.frames_held_out, ElementsAre(kFrameHeldOut));
   ASSERT_EQ(result_->paper.after.frames.size(), 1U);
-  EXPECT_EQ(result_->paper.after.frames[0].index, kHeldOutFrame);
+  EXPECT_EQ(result_->paper.after.frames[0].index, kFrameHeldOut);
 }
 
 TEST_F(TargetComparisonTest, TheWaterIsThatOfThePlan) {

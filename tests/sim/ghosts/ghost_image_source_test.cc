@@ -27,7 +27,7 @@ class ImageSource {
       : acoustics_(acoustics),
         image_m_(2.0 * on_mirror.dot(mirror_normal) * mirror_normal),
         normal_(mirror_normal),
-        power_(kBins, kBeams) {}
+        power_(kGhostBins, kGhostBeams) {}
 
   void Add(const Point& point) {
     const Leg straight = LegFrom(Eigen::Vector3d::Zero(), point, point.at_m);
@@ -65,21 +65,21 @@ class ImageSource {
     const double level_db = 0.5 * (p.source_level_db + p.receiver.gain_db) - 20.0 * std::log10(length_m) -
                             kAlphaDbPerM * length_m;
     const double there_and_back =
-        SlowResponse(std::asin(seen_at.z() / length_m), kElevationWidthDeg * kPi / 180.0);
+        SlowResponse(std::asin(seen_at.z() / length_m), kGhostElevationWidthDeg * kPi / 180.0);
     return {length_m, -way.dot(point.normal) / length_m, std::atan2(seen_at.x(), seen_at.y()),
             std::pow(10.0, level_db / 10.0) * std::sqrt(there_and_back), -way / length_m};
   }
 
   void Arrive(double power, double range_m, const std::vector<double>& azimuths_rad) {
-    for (int beam = 0; beam < kBeams; ++beam) {
+    for (int beam = 0; beam < kGhostBeams; ++beam) {
       double field = 0.0;
       for (const double azimuth_rad : azimuths_rad) {
         field += std::sqrt(SlowResponse(azimuth_rad - acoustics_.sonar.axes.beam_azimuth_rad[beam],
-                                        kAzimuthWidthDeg * kPi / 180.0));
+                                        kGhostAzimuthWidthDeg * kPi / 180.0));
       }
       const double heard = power * field * field;
       if (heard == 0.0) continue;
-      for (int bin = 0; bin < kBins; ++bin) {
+      for (int bin = 0; bin < kGhostBins; ++bin) {
         power_(bin, beam) += heard * SlowResponse(range_m - (2.5 + (bin + 0.5) * 0.05), kPulseM);
       }
     }
@@ -113,8 +113,8 @@ void ExpectLike(const Grid<float>& power, const Grid<double>& expected, double t
   ASSERT_GT(peak, 0.0);
   double sum = 0.0;
   double expected_sum = 0.0;
-  for (int bin = 0; bin < kBins; ++bin) {
-    for (int beam = 0; beam < kBeams; ++beam) {
+  for (int bin = 0; bin < kGhostBins; ++bin) {
+    for (int beam = 0; beam < kGhostBeams; ++beam) {
       ASSERT_NEAR(power(bin, beam), expected(bin, beam), tolerance * peak)
           << "bin " << bin << ", beam " << beam;
       sum += power(bin, beam);
@@ -135,7 +135,7 @@ TEST(Ghosts, PlateBeforeAWallByImageSource) {
   AddQuad(scene, {-0.1, 3.5, -0.15}, {0.25, 0, 0}, {0, 0, 0.4}, "plate");
   ImageSource image(acoustics, {0.5, 0, 0}, {-1, 0, 0});
   for (const Point& point : PlatePoints({-0.1, 3.5, -0.15}, {0.25, 0, 0}, {0, 0, 0.4}, 60)) image.Add(point);
-  const GhostList ghosts = acoustics.Trace(scene, Pose{}, acoustics.Fan(18 * kBeams, 1200));
+  const GhostList ghosts = acoustics.Trace(scene, Pose{}, acoustics.Fan(18 * kGhostBeams, 1200));
   ExpectLike(acoustics.Power(ghosts), image.power(), 0.03);
 }
 
@@ -159,7 +159,7 @@ TEST(Ghosts, SphereAboveAFloorByImageSource) {
                  kRadiusM * kRadiusM * std::sin(polar) * (kPi / kRings) * (kPi / kRings)});
     }
   }
-  const GhostList ghosts = acoustics.Trace(scene, Pose{}, acoustics.Fan(6 * kBeams, 2000));
+  const GhostList ghosts = acoustics.Trace(scene, Pose{}, acoustics.Fan(6 * kGhostBeams, 2000));
   ExpectLike(acoustics.Power(ghosts), image.power(), 0.03);
 }
 

@@ -29,8 +29,8 @@ TEST(Ghosts, LevelDoesNotDependOnTheNumberOfRays) {
     for (const float value : power.values()) sum += value;
     return sum;
   };
-  const double few = total(kBeams, 400);
-  const double many = total(3 * kBeams, 1600);
+  const double few = total(kGhostBeams, 400);
+  const double many = total(3 * kGhostBeams, 1600);
   EXPECT_GT(many, 0.0);
   EXPECT_NEAR(few / many, 1.0, 0.01);
 }
@@ -41,8 +41,9 @@ TEST(Ghosts, SameOnAnyNumberOfThreads) {
   AddQuad(scene, {0.5, 0.5, -3}, {0, 6, 0}, {0, 0, 6}, "mirror");
   AddQuad(scene, {-0.1, 3.5, -0.15}, {0.25, 0, 0}, {0, 0, 0.4}, "plate");
   const auto power = [&](int threads) {
-    return WithThreads(
-        threads, [&] { return acoustics.Power(acoustics.Trace(scene, Pose{}, acoustics.Fan(kBeams, 200))); });
+    return WithThreads(threads, [&] {
+      return acoustics.Power(acoustics.Trace(scene, Pose{}, acoustics.Fan(kGhostBeams, 200)));
+    });
   };
   EXPECT_EQ(power(1), power(2));
   EXPECT_EQ(power(1), power(4));
@@ -52,7 +53,8 @@ class TankWithMirrors : public ::testing::Test {
  protected:
   static SimulationOptions Options() {
     SimulationOptions options;
-    options.fan = {.sampling = Sampling::kBeams, .cols = 2 * kBeams, .rows = 300, .elevation_span_deg = 60.0};
+    options.fan = {
+        .sampling = Sampling::kBeams, .cols = 2 * kGhostBeams, .rows = 300, .elevation_span_deg = 60.0};
     options.noise = true;
     return options;
   }
@@ -153,7 +155,8 @@ TEST(Ghosts, EnergySentAsideReturnsByTheMirror) {
   AddQuad(scene, {1.0, 0.5, -1}, {0, 6, 0}, {0, 0, 2}, "mirror");
   AddQuad(scene, {-0.1, 3.4, -0.1}, {0.2, 0, 0}, {0, 0, 0.2}, "plate");
   SimulationOptions options;
-  options.fan = {.sampling = Sampling::kBeams, .cols = 2 * kBeams, .rows = 400, .elevation_span_deg = 60.0};
+  options.fan = {
+      .sampling = Sampling::kBeams, .cols = 2 * kGhostBeams, .rows = 400, .elevation_span_deg = 60.0};
   const Simulator simulator(scene, GhostSonar(), options);
   ParameterSet parameters = GhostParameters();
   const auto plates = [&] {

@@ -27,7 +27,7 @@ class OnePlate : public ::testing::Test {
 
   // How many echoes of the plate go by one leg, and how many by two.
   std::pair<int, int> Counts(const Scene& scene) const {
-    const GhostList ghosts = acoustics_.Trace(scene, Pose{}, acoustics_.Fan(3 * kBeams, 600));
+    const GhostList ghosts = acoustics_.Trace(scene, Pose{}, acoustics_.Fan(3 * kGhostBeams, 600));
     std::pair<int, int> counts{0, 0};
     for (const GhostEcho& echo : ghosts.echoes) {
       if (ghosts.material_names[echo.material] == "plate") ++(echo.both_ways ? counts.second : counts.first);
@@ -42,7 +42,7 @@ TEST_F(OnePlate, IsSeenBothWaysAndAtTheRightPlace) {
   const auto [single, both] = Counts(Make(0.5, 3.4));
   EXPECT_GT(single, 50);
   EXPECT_EQ(single, both);
-  const GhostList ghosts = acoustics_.Trace(Make(0.5, 3.4), Pose{}, acoustics_.Fan(3 * kBeams, 600));
+  const GhostList ghosts = acoustics_.Trace(Make(0.5, 3.4), Pose{}, acoustics_.Fan(3 * kGhostBeams, 600));
   for (const GhostEcho& echo : ghosts.echoes) {
     if (ghosts.material_names[echo.material] != "plate") continue;
     EXPECT_EQ(ghosts.material_names[echo.leg.mirror[0]], "mirror");
@@ -95,7 +95,7 @@ TEST(Ghosts, SecondOrderReachesTheImageOfTheImage) {
   AddQuad(scene, {-6, -2, -0.5}, {12, 0, 0}, {0, 12, 0}, "mirror");
   AddQuad(scene, {-6, -2, 0.6}, {0, 12, 0}, {12, 0, 0}, "mirror");
   AddQuad(scene, {-0.05, 4.0, -0.05}, {0.1, 0, 0}, {0, 0, 0.1}, "plate");
-  const RayFan fan = acoustics.Fan(kBeams, 1200);
+  const RayFan fan = acoustics.Fan(kGhostBeams, 1200);
   const GhostList first = acoustics.Trace(scene, Pose{}, fan);
   const GhostList second = acoustics.Trace(scene, Pose{}, fan, 2);
   const auto count = [](const GhostList& list, auto&& what) {
@@ -137,7 +137,7 @@ TEST(Ghosts, SecondOrderReachesTheImageOfTheImage) {
 TEST(GhostFan, ReachesThroughTheLobesThatTheParametersName) {
   const SonarModel sonar = GhostSonar();
   const RayFanOptions fan{
-      .sampling = Sampling::kBeams, .cols = kBeams, .rows = 100, .elevation_span_deg = 150.0};
+      .sampling = Sampling::kBeams, .cols = kGhostBeams, .rows = 100, .elevation_span_deg = 150.0};
   BeamParameters beam{.elevation_width_deg = 20.0};
   EXPECT_EQ(GhostFanOptions(fan, sonar, beam).elevation_span_deg, 150.0);
   beam.mirror_lobes = MirrorLobes::kMain;
