@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "apps/python/option_objects.h"
 #include "core/types/option.h"
@@ -42,16 +43,27 @@ OptionDescription Describe(const OptionInfo& info, const T& by_default) {
           .by_default = Object::To(by_default)};
 }
 
+template <typename Options>
+std::vector<OptionDescription> DescribeOptions() {
+  std::vector<OptionDescription> descriptions;
+  const Options by_default{};
+  Options::Visit(by_default, [&](const OptionInfo& info, const auto& value) {
+    descriptions.push_back(Describe(info, value));
+  });
+  return descriptions;
+}
+
 // Raises TypeError for a name that is no option of `class_name`, with the nearest one that is.
 [[noreturn]] void RaiseUnknownOption(const std::string& class_name, const std::string& name,
                                      const pybind11::list& names);
 
-// Calls `act(info, value)` for the option `name`, which must be one.
-template <typename Options, typename Act>
-void WithOption(Options& options, std::string_view name, Act&& act) {
-  std::remove_const_t<Options>::Visit(options, [&](const OptionInfo& info, auto& value) {
-    if (info.name == name) act(info, value);
-  });
+// Addresses of the options, in the order of Visit. Objects of one class have options of the same types in the
+// same order. A visit within a visit would do as well, but it is compiled once for each type of an option.
+template <typename Options>
+std::vector<const void*> OptionAddresses(const Options& options) {
+  std::vector<const void*> addresses;
+  Options::Visit(options, [&](const OptionInfo&, const auto& value) { addresses.push_back(&value); });
+  return addresses;
 }
 
 template <typename Options>
@@ -65,8 +77,8 @@ pybind11::list OptionNames() {
 template <typename Options>
 pybind11::object GetOption(const Options& options, std::string_view name) {
   pybind11::object object;
-  WithOption(options, name, [&](const OptionInfo&, const auto& value) {
-    object = OptionObject<std::remove_cvref_t<decltype(value)>>::To(value);
+  Options::Visit(options, [&](const OptionInfo& info, const auto& value) {
+    if (info.name == name) object = OptionObject<std::remove_cvref_t<decltype(value)>>::To(value);
   });
   return object;
 }
@@ -74,16 +86,13 @@ pybind11::object GetOption(const Options& options, std::string_view name) {
 // None stands for the default. Throws UsageError as OptionFromObject.
 template <typename Options>
 void SetOption(Options& options, std::string_view name, const pybind11::object& object) {
-  Options by_default{};
-  WithOption(object.is_none() ? by_default : options, name, [&](const OptionInfo& info, auto& value) {
+  const Options by_default{};
+  const std::vector<const void*> defaults = OptionAddresses(by_default);
+  auto default_value = defaults.begin();
+  Options::Visit(options, [&](const OptionInfo& info, auto& value) {
     using T = std::remove_cvref_t<decltype(value)>;
-    if (!object.is_none()) {
-      value = OptionFromObject<T>(info, object);
-      return;
-    }
-    WithOption(options, name, [&](const OptionInfo&, auto& own) {
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(own)>, T>) own = std::move(value);
-    });
+    const auto* const own_default = static_cast<const T*>(*default_value++);
+    if (info.name == name) value = object.is_none() ? *own_default : OptionFromObject<T>(info, object);
   });
 }
 
@@ -102,28 +111,25 @@ void SetOptions(Options& options, const pybind11::dict& values, const std::strin
 template <typename Options>
 std::string ChangedOptions(const Options& options) {
   const Options by_default{};
+  const std::vector<const void*> defaults = OptionAddresses(by_default);
+  auto default_value = defaults.begin();
   std::string text;
   Options::Visit(options, [&](const OptionInfo& info, const auto& value) {
     using T = std::remove_cvref_t<decltype(value)>;
-    bool is_default = false;
-    WithOption(by_default, info.name, [&](const OptionInfo&, const auto& other) {
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(other)>, T>)
-        is_default = IsSame(value, other);
-    });
-    if (!is_default) text += fmt::format("{}{}={}", text.empty() ? "" : ", ", info.name, ReprOf(value));
+    if (!IsSame(value, *static_cast<const T*>(*default_value++)))
+      text += fmt::format("{}{}={}", text.empty() ? "" : ", ", info.name, ReprOf(value));
   });
   return text;
 }
 
 template <typename Options>
 bool AreSame(const Options& a, const Options& b) {
+  const std::vector<const void*> others = OptionAddresses(b);
+  auto other = others.begin();
   bool same = true;
-  Options::Visit(a, [&](const OptionInfo& info, const auto& value) {
+  Options::Visit(a, [&](const OptionInfo&, const auto& value) {
     using T = std::remove_cvref_t<decltype(value)>;
-    WithOption(b, info.name, [&](const OptionInfo&, const auto& other) {
-      if constexpr (std::is_same_v<std::remove_cvref_t<decltype(other)>, T>)
-        same = same && IsSame(value, other);
-    });
+    same = IsSame(value, *static_cast<const T*>(*other++)) && same;
   });
   return same;
 }
@@ -157,23 +163,20 @@ void BindOptions(pybind11::module_& module, const char* name, const char* doc) {
                 return MakeOptions<Options>(source, changes, class_name);
               }),
               py::arg("source") = py::none());
-  Options by_default{};
-  Options::Visit(by_default, [&](const OptionInfo& info, const auto& value) {
-    const std::string option = info.name;
+  for (const OptionDescription& description : DescribeOptions<Options>()) {
+    const std::string& option = description.info.name;
     options.def_property(
         option.c_str(), [option](const Options& self) { return GetOption(self, option); },
         [option](Options& self, const py::object& object) { SetOption(self, option, object); },
-        Describe(info, value).Text().c_str());
-  });
+        description.Text().c_str());
+  }
   options
       .def_static(
           "describe",
           [] {
             py::list descriptions;
-            const Options defaults{};
-            Options::Visit(defaults, [&](const OptionInfo& info, const auto& value) {
-              descriptions.append(Describe(info, value).Dict());
-            });
+            for (const OptionDescription& description : DescribeOptions<Options>())
+              descriptions.append(description.Dict());
             return descriptions;
           },
           "All options in their order, each a dict: name, help, type, unit, default, by_default, min, max "
