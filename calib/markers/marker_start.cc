@@ -2,7 +2,7 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 
@@ -71,8 +71,10 @@ struct Corners {
     Eigen::Matrix3Xd points(3, object.size());
     for (std::size_t i = 0; i < object.size(); ++i) points.col(i) << object[i].x, object[i].y, object[i].z;
     points.colwise() -= points.rowwise().mean().eval();
-    const Eigen::Vector3d extent = Eigen::JacobiSVD<Eigen::Matrix3Xd>(points).singularValues();
-    return extent(2) < 0.02 * extent(1);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> moments(points * points.transpose(),
+                                                                 Eigen::EigenvaluesOnly);
+    constexpr double kMaxRatio = 0.02;
+    return moments.eigenvalues()(0) < kMaxRatio * kMaxRatio * moments.eigenvalues()(1);
   }
 };
 
