@@ -19,6 +19,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 ALSO_RUN = ["segmentation.md", "batch.md", "noise.md", "static.md", "export.md", "gallery.md", "standard_target.md", "explain.md",
             "poses.md", "calibrate.md", "rays.md", "locate.md", "moving.md"]
@@ -191,7 +192,9 @@ def main():
     numbered = sorted(guide.glob("[0-9]*.md"))
     with tempfile.TemporaryDirectory() as folder:
         for page in [*numbered, *(guide / name for name in ALSO_RUN)]:
+            start_s = time.monotonic()
             counts, faults = run_page(page, pathlib.Path(folder), environment)
+            print(f"{page.name}: {time.monotonic() - start_s:.0f} s")
             totals = [sum(pair) for pair in zip(totals, counts)]
             wrong += faults
             if page in numbered and not faults:
