@@ -84,7 +84,7 @@ def test_times_and_motion_of_a_file_and_of_a_recording_are_those_of_the_command(
 def test_tells_progress(world):
     told = []
     world.simulate(progress=lambda *step: told.append(step))
-    assert told == [("Simulating", done, 4) for done in (1, 2, 3, 4)]
+    assert told == [(step, done, 4) for step in ("Checking the poses", "Simulating") for done in (1, 2, 3, 4)]
 
 
 def test_says_what_should_not_be_missed(world, caplog):
