@@ -67,12 +67,12 @@ function(sonarcal_optimise_little target)
   target_compile_options(${target} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
 endfunction()
 
-# sonarcal_unify(TARGET): compiles six sources of the target at a time, where SONARCAL_UNITY is on. The sources use the
-# same templates of Eigen, JSON and GoogleTest. The compiler then compiles each template once for all six. Two sources
+# sonarcal_unify(TARGET): compiles twelve sources of the target at a time, where SONARCAL_UNITY is on. The sources use the
+# same templates of Eigen, JSON and GoogleTest. The compiler then compiles each template once for all of them. Two sources
 # of one target must not define the same name in their unnamed namespaces. Overloads of a function are allowed. A
 # constant of a source must not have the name of a header's constant, because it would hide that from the other sources.
 function(sonarcal_unify target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SONARCAL_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SONARCAL_UNITY} UNITY_BUILD_BATCH_SIZE 12)
   if(SONARCAL_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # This warning is about headers, and GCC takes an included source for one.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)

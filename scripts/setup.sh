@@ -144,7 +144,12 @@ configure_and_build() {
     all,yes) say "Building the program and all tests (10 to 40 minutes on two cores the first time) ..." ;;
     *) say "Building the program (5 to 20 minutes on two cores the first time) ..." ;;
   esac
-  cmake --build "$build" --target "$target" >&2 || fail "the build failed, its errors are above"
+  # A compiler takes up to 2 GB.
+  local jobs gib
+  gib="$(awk '/^MemAvailable:/ {print int($2 / 1024 / 1024)}' /proc/meminfo)"
+  jobs=$(($(nproc) + 1))
+  if ((jobs > gib / 2)); then jobs=$((gib < 2 ? 1 : gib / 2)); fi
+  cmake --build "$build" --target "$target" --parallel "$jobs" >&2 || fail "the build failed, its errors are above"
 }
 
 install_missing

@@ -39,7 +39,7 @@ struct BatchOptions {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-std::string Words(const batch::BatchJob& job) {
+std::string ArgumentWords(const batch::BatchJob& job) {
   std::string words = job.command;
   for (const std::string& argument : job.arguments) {
     const bool is_plain = argument.find_first_of(" \t\n'\"\\$") == std::string::npos && !argument.empty();
@@ -58,7 +58,7 @@ cli::ExitStatus ListJobs(const BatchOptions& options, const batch::BatchPlan& pl
       jobs.push_back({{"job", job.id},
                       {"after", fmt::format("{}", fmt::join(job.after, ","))},
                       {"state", summary.at("jobs").at(i).at("state")},
-                      {"command_line", Words(job)}});
+                      {"command_line", ArgumentWords(job)}});
     }
     cli::PrintJson({{"jobs", jobs}});
     return cli::ExitStatus::kDone;
@@ -66,7 +66,7 @@ cli::ExitStatus ListJobs(const BatchOptions& options, const batch::BatchPlan& pl
   std::string text;
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
     text += fmt::format("{:20} {:8} {}\n", plan.jobs[i].id,
-                        summary.at("jobs").at(i).at("state").get<std::string>(), Words(plan.jobs[i]));
+                        summary.at("jobs").at(i).at("state").get<std::string>(), ArgumentWords(plan.jobs[i]));
   }
   cli::PrintResult(text);
   return cli::ExitStatus::kDone;

@@ -19,7 +19,7 @@ constexpr int kStepsDown = 3;           // number of steps downhill in the searc
 constexpr double kMaxStartNats = 60.0;  // nats; a start with more is abandoned
 constexpr int kDecimation = 2;          // of the rays of the search
 
-std::string Words(const PoseStep& step) {
+std::string StepText(const PoseStep& step) {
   return fmt::format("{:.0f} mm right, {:.0f} ahead, {:.0f} up; roll {:+.2f}, pitch {:+.2f}, yaw {:+.2f} deg",
                      1e3 * step(0), 1e3 * step(1), 1e3 * step(2), step(3), step(4), step(5));
 }
@@ -27,9 +27,9 @@ std::string Words(const PoseStep& step) {
 std::string Sentence(int index, const char* kind, const PoseStep& step, double worse_by) {
   return worse_by < 0.0
              ? fmt::format("pose.{}: {} ({}) fits the frame better than the reported pose, by {:.1f} nats",
-                           index, kind, Words(step), -worse_by)
+                           index, kind, StepText(step), -worse_by)
              : fmt::format("pose.{}: {} ({}) fits the frame nearly as well, {:.1f} nats worse", index, kind,
-                           Words(step), worse_by);
+                           StepText(step), worse_by);
 }
 
 // Follows a start downhill. Returns its end if that is another pose and fits equally well. `kind` names the
