@@ -60,7 +60,7 @@ double NatsPerPixel(const std::vector<GreyCell>& cells, const BackgroundDisplay&
   return nats;
 }
 
-double KolmogorovSmirnov(const std::vector<GreyCell>& cells, const BackgroundDisplay& law) {
+double GreyKolmogorovSmirnov(const std::vector<GreyCell>& cells, const BackgroundDisplay& law) {
   double recorded = 0.0;
   double largest = 0.0;
   for (std::size_t i = 0; i + 1 < cells.size(); ++i) {
@@ -145,7 +145,7 @@ BackgroundDisplay FitBackgroundDisplay(const PolarImage& image, const Mask& back
   } else {
     fitted.nats_per_pixel = best_shape();
   }
-  fitted.ks = KolmogorovSmirnov(cells, fitted);
+  fitted.ks = GreyKolmogorovSmirnov(cells, fitted);
   return fitted;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 
-constexpr int kMaxFrames = 32;
+constexpr int kMaxSearchedFrames = 32;
 constexpr int kLossyTolerance = 24;                 // for ringing at edges in a compressed picture
 constexpr std::size_t kMaxOverlayPixels = 1 << 24;  // larger pictures are searched whole, for lack of memory
 
@@ -223,7 +223,7 @@ FanSearch::FanSearch(const PictureFrames& pictures) : pictures_(pictures) {
   Grid<std::uint8_t>& from_background = differences.from_background;
   RgbImage lowest;
   RgbImage highest;
-  for (const int index : EvenlySpreadFrames(pictures, kMaxFrames)) {
+  for (const int index : EvenlySpreadFrames(pictures, kMaxSearchedFrames)) {
     const RgbImage picture = pictures.ReadColors(index);
     if (from_background.empty()) {
       background_ = BackgroundOf(picture, pictures.is_lossy() ? kLossyTolerance : 0);

@@ -139,7 +139,7 @@ TEST_P(OtherProcessor, FitsEndAtTheSameOptimum) {
     }
     data_io::WriteParameters(world_ / "start.json", start);
     const auto fitted = [&](const std::string& prefix, const std::string& name) {
-      Run(prefix, "fit --rays 96x100 --starts 2 --force --quiet --real " + Quoted(world_ / "rec") +
+      Run(prefix, "fit --rays 48x50 --starts 2 --force --quiet --real " + Quoted(world_ / "rec") +
                       " --scene " + Quoted(world_.scene()) + " --params " + Quoted(world_ / "start.json") +
                       " --out " + Quoted(world_ / name));
       return ReadJsonFile(world_ / name / "fit.json");
