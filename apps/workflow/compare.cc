@@ -37,7 +37,7 @@ void CheckScales(const ImageScale& real, const ImageScale& simulated, double tol
 }
 
 // Settings may change from frame to frame.
-void CheckSettings(const FrameInfo& real, const FrameInfo& simulated) {
+void CheckSameSettings(const FrameInfo& real, const FrameInfo& simulated) {
   const std::string mismatch = SettingsMismatch(real.settings, simulated.settings);
   if (mismatch.empty()) return;
   throw DataError(
@@ -80,7 +80,7 @@ class PairComparer {
     Pair pair{
         .real = real_.ReadFrame(frame), .simulated = simulated_.ReadFrame(frame), .metrics = {}, .error = {}};
     if (!options_.as_displayed) {
-      CheckSettings(pair.real.info, pair.simulated.info);
+      CheckSameSettings(pair.real.info, pair.simulated.info);
       return pair;
     }
     ImageScale& scale = pair.simulated.image.scale;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kPictureBytes = 7'500'000;
 constexpr std::size_t kMinFrames = 3;
 
-std::string FigureText(const std::optional<double>& value) {
+std::string ThreeDecimals(const std::optional<double>& value) {
   return value ? fmt::format("{:.3f}", *value) : "none";
 }
 
@@ -29,10 +29,10 @@ ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated,
                             const metrics::FrameMetrics& metrics, metrics::IntensityDomain domain) {
   const std::string number = fmt::format("frame {}", metrics.index);
   return {.name = metrics.name.empty() || metrics.name == number ? number : number + ": " + metrics.name,
-          .figures =
-              fmt::format("IoU {}, intensity error {}, Ns/Nr {}", FigureText(metrics.polar.occupancy.iou()),
-                          FigureText(metrics.polar.intensity.Over(domain).mean_absolute()),
-                          FigureText(metrics.polar.occupancy.ns_over_nr())),
+          .figures = fmt::format("IoU {}, intensity error {}, Ns/Nr {}",
+                                 ThreeDecimals(metrics.polar.occupancy.iou()),
+                                 ThreeDecimals(metrics.polar.intensity.Over(domain).mean_absolute()),
+                                 ThreeDecimals(metrics.polar.occupancy.ns_over_nr())),
           .axes = real.axes,
           .full_scale = real.scale.full_scale,
           .real = GreyPng(real.value, 0.0, real.scale.full_scale),
