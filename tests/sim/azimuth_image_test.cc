@@ -34,7 +34,7 @@ ParameterSet WithPattern(AzimuthPattern pattern, double taper) {
 }
 
 // A point of unit power at one azimuth, in one fine row.
-ScatterMap PointTarget(const SonarModel& sonar, double azimuth_rad, int row) {
+ScatterMap OneTarget(const SonarModel& sonar, double azimuth_rad, int row) {
   ScatterMap scatter;
   scatter.range_steps = 4;
   scatter.column_azimuth_rad = {azimuth_rad};
@@ -61,7 +61,7 @@ TEST(AzimuthImage, EnergyOfAPointIsThatOfTheResponses) {
   };
   for (const auto& c : cases) {
     const ParameterSet parameters = WithPattern(c.pattern, c.taper);
-    const Grid<float> image = ExpectedPower(PointTarget(sonar, 0.0, 82), {sonar, 0.0}, parameters).value;
+    const Grid<float> image = ExpectedPower(OneTarget(sonar, 0.0, 82), {sonar, 0.0}, parameters).value;
     double sum = 0.0;
     for (int bin = 0; bin < 40; ++bin) {
       for (int beam = 0; beam < 601; ++beam) {
@@ -83,7 +83,7 @@ TEST(AzimuthImage, APointHasThePatternsSideLobes) {
   } cases[] = {{0.0, -13.26}, {1.0, -31.47}};
   for (const auto& c : cases) {
     const ParameterSet parameters = WithPattern(AzimuthPattern::kAperture, c.taper);
-    const Grid<float> image = ExpectedPower(PointTarget(sonar, 0.0, 82), {sonar, 0.0}, parameters).value;
+    const Grid<float> image = ExpectedPower(OneTarget(sonar, 0.0, 82), {sonar, 0.0}, parameters).value;
     const auto row = image.row(20);
     int beam = 300;
     const double peak = row[beam];
@@ -111,7 +111,7 @@ TEST(AzimuthImage, ATableMakesArcsAtTheTargetsRange) {
   parameters.beam.azimuth_table_db[8] = parameters.beam.azimuth_table_db[24] = -22.0;
   parameters.beam.azimuth_table_db[0] = parameters.beam.azimuth_table_db[32] = -29.0;
   const Grid<float> image =
-      ExpectedPower(PointTarget(sonar, sonar.axes.beam_azimuth_rad[20], 82), {sonar, 0.0}, parameters).value;
+      ExpectedPower(OneTarget(sonar, sonar.axes.beam_azimuth_rad[20], 82), {sonar, 0.0}, parameters).value;
   for (int bin = 18; bin < 23; ++bin) {
     const double peak = image(bin, 20);
     EXPECT_NEAR(DbFromPower(image(bin, 12) / peak), -22.0, 1e-4);

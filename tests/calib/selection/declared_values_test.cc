@@ -9,8 +9,8 @@
 namespace sonarcal::calib {
 namespace {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 // One heading that all poses share cannot be told from the azimuth of the beams: the frames know the sum well
 // and the priors know each of them badly. Moving either explains a sum of ten standard errors.
