@@ -9,12 +9,12 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 scope=--tests
-duration="about 7 minutes on two cores, longer with recordings"
+duration="20 to 40 minutes on two cores"
 selection=()
 case "${1:-}" in
   --quick)
     scope=--quick-tests
-    duration="less than a minute on two cores"
+    duration="about a minute on two cores"
     selection=(-L quick)
     shift
     ;;
