@@ -1,4 +1,4 @@
-"""The walls of the house: which folder may include which, which library stays in which file, and which names meet.
+"""The walls of the house: which folder includes which, which file includes a library, which constants differ in name.
 
     layering_test.py ROOT         checks the tree, one line a violation, status 1 if there are any
     layering_test.py --self-test  shows on a made-up tree that each wall holds

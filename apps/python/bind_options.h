@@ -43,6 +43,7 @@ OptionDescription Describe(const OptionInfo& info, const T& by_default) {
           .by_default = Object::To(by_default)};
 }
 
+// All options of a class, in the order of Visit.
 template <typename Options>
 std::vector<OptionDescription> DescribeOptions() {
   std::vector<OptionDescription> descriptions;

@@ -11,7 +11,7 @@ namespace sonarcal::calib {
 namespace {
 
 // A parameter is unidentifiable if its variance exceeds this share of the prior variance (half of the
-// standard deviation), or if its sigma exceeds a surprisingly large step of a level.
+// standard deviation). A level is also unidentifiable if its standard error exceeds kMaxSigmaDb.
 constexpr double kMaxPriorShare = 0.25;
 constexpr double kMaxSigmaDb = 20.0;
 constexpr double kTogether = 0.9;  // a correlation above which two parameters are determined only together

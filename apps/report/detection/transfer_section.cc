@@ -56,7 +56,7 @@ std::string IntervalText(const metrics::TransferFigure& figure) {
 }
 
 std::string ValueText(const metrics::TransferFigure& figure) {
-  return figure.value ? FormatNumber(*figure.value, 3) : "–";
+  return FormatNumber(figure.value, 3);
 }
 
 // Sentence about the difference of average precision.

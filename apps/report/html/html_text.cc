@@ -128,6 +128,10 @@ std::string FormatNumber(double value, int decimals) {
   return negative ? std::string(kMinus) + digits : digits;
 }
 
+std::string FormatNumber(const std::optional<double>& value, int decimals) {
+  return value ? FormatNumber(*value, decimals) : std::string(kDash);
+}
+
 std::string RealWord(bool is_synthetic) {
   return is_synthetic ? "synthetic" : "recorded";
 }

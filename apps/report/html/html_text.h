@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +23,8 @@ std::string Base64(std::span<const std::uint8_t> bytes);
 
 // Formats a number for a table or an axis: fixed decimals, a true minus sign, a dash if it is not finite.
 std::string FormatNumber(double value, int decimals);
+// A dash also if there is no value.
+std::string FormatNumber(const std::optional<double>& value, int decimals);
 
 // Name of the real side of a comparison: "recorded", or "synthetic" if a simulation made it. As a word and as
 // the caption of a picture.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/report/html/html_text.h"
 #include "apps/report/pictures/sonar_picture.h"
 #include "data_io/images/image_io.h"
 
@@ -12,10 +13,6 @@ namespace {
 
 constexpr std::size_t kPictureBytes = 7'500'000;
 constexpr std::size_t kMinFrames = 3;
-
-std::string ThreeDecimals(const std::optional<double>& value) {
-  return value ? fmt::format("{:.3f}", *value) : "none";
-}
 
 }  // namespace
 
@@ -30,9 +27,9 @@ ViewerFrame MakeViewerFrame(const PolarImage& real, const PolarImage& simulated,
   const std::string number = fmt::format("frame {}", metrics.index);
   return {.name = metrics.name.empty() || metrics.name == number ? number : number + ": " + metrics.name,
           .figures = fmt::format("IoU {}, intensity error {}, Ns/Nr {}",
-                                 ThreeDecimals(metrics.polar.occupancy.iou()),
-                                 ThreeDecimals(metrics.polar.intensity.Over(domain).mean_absolute()),
-                                 ThreeDecimals(metrics.polar.occupancy.ns_over_nr())),
+                                 FormatNumber(metrics.polar.occupancy.iou(), 3),
+                                 FormatNumber(metrics.polar.intensity.Over(domain).mean_absolute(), 3),
+                                 FormatNumber(metrics.polar.occupancy.ns_over_nr(), 3)),
           .axes = real.axes,
           .full_scale = real.scale.full_scale,
           .real = GreyPng(real.value, 0.0, real.scale.full_scale),

@@ -13,7 +13,7 @@ constexpr const char* kNoValue = "–";
 }  // namespace
 
 std::string FigureText(const std::optional<double>& value) {
-  return value ? FormatNumber(*value, kDecimals) : kNoValue;
+  return FormatNumber(value, kDecimals);
 }
 
 std::string IntervalText(const metrics::Statistic& statistic) {

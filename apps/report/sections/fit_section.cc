@@ -282,7 +282,7 @@ void AddFitKeyFigures(HtmlReport& report, const workflow::RecordingFit& fit) {
   std::vector<KeyFigure> figures;
   const auto add = [&](const std::string& label, const metrics::Statistic& before,
                        const metrics::Statistic& after) {
-    const auto text = [](const metrics::Statistic& s) { return s.value ? FormatNumber(*s.value, 3) : "–"; };
+    const auto text = [](const metrics::Statistic& s) { return FormatNumber(s.value, 3); };
     figures.push_back({.label = label,
                        .value = text(after),
                        .unit = {},

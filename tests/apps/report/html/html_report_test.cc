@@ -282,6 +282,7 @@ TEST(HtmlTextTest, NumbersCarryATrueMinusAndNoNegativeZero) {
   EXPECT_EQ(FormatNumber(-1.25, 1), "\u22121.2");
   EXPECT_EQ(FormatNumber(-0.001, 2), "0.00");
   EXPECT_EQ(FormatNumber(std::nan(""), 2), "\u2013");
+  EXPECT_EQ(FormatNumber(std::nullopt, 2), "\u2013");
 }
 
 TEST(HtmlTextTest, OnlyValidUtf8Passes) {
