@@ -23,4 +23,5 @@ std::optional<std::filesystem::path> FindRecording(const std::string& relative_p
         << "needs the recording " << (relative_path)                                                  \
         << ", which is neither under $SONARCAL_RECORDINGS nor under recordings/ at the project root"; \
   }                                                                                                   \
+  /* NOLINTNEXTLINE(bugprone-macro-parentheses): a name */                                            \
   [[maybe_unused]] const std::filesystem::path& variable = *variable##_found

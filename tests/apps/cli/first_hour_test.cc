@@ -40,8 +40,8 @@ std::string Scenes(const std::filesystem::path& out) {
 // Every line of a log begins with a time.
 void ExpectTimes(const std::string& log) {
   std::istringstream stream(log);
-  static const std::regex timed(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[+-]\d{4} .+)");
-  for (std::string line; std::getline(stream, line);) EXPECT_TRUE(std::regex_match(line, timed)) << line;
+  static const std::regex kTimed(R"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d[+-]\d{4} .+)");
+  for (std::string line; std::getline(stream, line);) EXPECT_TRUE(std::regex_match(line, kTimed)) << line;
 }
 
 TEST(HelpTest, CommandsAreGroupedWithOneLineEachAndExamplesAtTheEnd) {
@@ -95,12 +95,12 @@ TEST(HelpTest, TheExamplesWork) {
 }
 
 TEST(HelpTest, TheExamplesThatNeedFilesHaveKnownOptions) {
-  static const std::regex option("--[a-z-]+");
+  static const std::regex kOption("--[a-z-]+");
   for (const commands::Example& example : commands::Examples()) {
     for (const std::string& line : example.lines) {
       const std::string command = line.substr(9, line.find(' ', 9) - 9);
       const std::string help = RunSonarcal(command + " --help").out;
-      for (std::sregex_iterator match(line.begin(), line.end(), option), end; match != end; ++match)
+      for (std::sregex_iterator match(line.begin(), line.end(), kOption), end; match != end; ++match)
         EXPECT_THAT(help, HasSubstr(match->str() + ' ')) << line;
     }
   }

@@ -74,7 +74,7 @@ class OtherProcessor : public ::testing::TestWithParam<Processor> {
   void SetUp() override {
     if (const std::string reason = WhyNot(GetParam()); !reason.empty()) GTEST_SKIP() << reason;
   }
-  std::string prefix() const { return GetParam().prefix; }
+  static std::string prefix() { return GetParam().prefix; }
 
   static void Run(const std::string& prefix, const std::string& arguments) {
     const Outcome outcome = RunSonarcal(arguments, prefix);

@@ -47,7 +47,7 @@ class ExportCommandTest : public ::testing::Test {
     data_io::WriteRecording(MemoryRecording(info, std::move(frames)), dir_ / "rec");
   }
 
-  Outcome Export(const std::string& arguments) const { return RunSonarcal("export " + arguments); }
+  static Outcome Export(const std::string& arguments) { return RunSonarcal("export " + arguments); }
   std::string Out(const std::string& name) const { return " --out " + Quoted(dir_ / name); }
 
   testing::TempDir dir_;

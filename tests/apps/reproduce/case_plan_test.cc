@@ -66,8 +66,8 @@ TEST(CasePlan, SaysWhereThePoseComesFrom) {
 
 class CasesVariable : public ::testing::Test {
  protected:
-  CasesVariable() { setenv("SONARCAL_CASES", folder_.path().c_str(), 1); }
-  ~CasesVariable() override { unsetenv("SONARCAL_CASES"); }
+  void SetUp() override { setenv("SONARCAL_CASES", folder_.path().c_str(), 1); }
+  void TearDown() override { unsetenv("SONARCAL_CASES"); }
 
   testing::TempDir folder_;
 };

@@ -31,7 +31,7 @@ TEST(SpeckleDrawTest, DrawsScatterAboutTheImageAsTheLawSays) {
       sum += level_db;
       power += PowerFromDb(level_db);
     }
-    const double count = static_cast<double>(drawn.size());
+    const auto count = static_cast<double>(drawn.size());
     EXPECT_NEAR(sum / count, kMeanDb, 0.1);
     // 10 / ln 10 (digamma(L) - ln L): -2.507 dB at one look, -0.763 at three.
     EXPECT_NEAR(DbFromPower(power / count) - kMeanDb, looks == 1.0 ? 2.507 : 0.763, 0.08) << looks;

@@ -62,8 +62,8 @@ class TurningSonar : public ::testing::Test {
     options.trust_all = true;
     options.starts = 1;
     options.pings = pings;
-    static const std::unique_ptr<MemoryRecording> recording = Recording();
-    return fits.emplace(pings, Fit(*recording, testing::SmallTank(), start, options)).first->second;
+    static const std::unique_ptr<MemoryRecording> kRecording = Recording();
+    return fits.emplace(pings, Fit(*kRecording, testing::SmallTank(), start, options)).first->second;
   }
 
   static const calib::FittedParameter& Width(PingUse pings) {

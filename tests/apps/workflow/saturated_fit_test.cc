@@ -29,14 +29,12 @@ class SaturatedReceiver : public ::testing::Test {
   }
 
   static std::vector<Frame> Frames() {
-    static const std::unique_ptr<MemoryRecording> recording = Recording();
     std::vector<Frame> frames;
-    for (int i = 0; i < kFrames; ++i) frames.push_back(recording->ReadFrame(i));
+    for (int i = 0; i < kFrames; ++i) frames.push_back(Recording().ReadFrame(i));
     return frames;
   }
 
   static RecordingFit FitOf(std::vector<Frame> frames) {
-    static const std::unique_ptr<MemoryRecording> recording = Recording();
     ParameterSet start = Truth();
     *start.receiver.noise_db += 6.0;
     for (auto& [name, material] : start.materials)
@@ -45,7 +43,7 @@ class SaturatedReceiver : public ::testing::Test {
     options.free = {"materials", "receiver.noise_db"};
     options.trust_all = true;
     options.starts = 1;
-    return Fit(MemoryRecording(recording->info(), std::move(frames)), testing::SmallTank(), start, options);
+    return Fit(MemoryRecording(Recording().info(), std::move(frames)), testing::SmallTank(), start, options);
   }
 
   static const calib::FittedParameter& Noise(const RecordingFit& fit) {
@@ -53,7 +51,12 @@ class SaturatedReceiver : public ::testing::Test {
   }
 
  private:
-  static std::unique_ptr<MemoryRecording> Recording() {
+  static const MemoryRecording& Recording() {
+    static const std::unique_ptr<MemoryRecording> kRecording = Simulated();
+    return *kRecording;
+  }
+
+  static std::unique_ptr<MemoryRecording> Simulated() {
     ParameterSet coherent = Truth();
     coherent.model = EchoModel::kCoherent;
     std::vector<data_io::TimedPose> poses;
