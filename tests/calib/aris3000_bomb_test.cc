@@ -59,19 +59,19 @@ struct Description {
 };
 
 const Description& FittedOutline() {
-  static const Description description{"fitted outline",
-                                       testing::FittedBomb(),
-                                       {0.053, 0.085, kRegressionOverlap, 0.80, 0.89},
-                                       {0.050, 0.092, 0.100, 0.75}};
-  return description;
+  static const Description kDescription{"fitted outline",
+                                        testing::FittedBomb(),
+                                        {0.053, 0.085, kRegressionOverlap, 0.80, 0.89},
+                                        {0.050, 0.092, 0.100, 0.75}};
+  return kDescription;
 }
 
 const Description& PlainShape() {
-  static const Description description{"plain shape",
-                                       reproduce::FindCase("bomb"),
-                                       {0.053, 0.085, 0.099, 0.76, 0.87},
-                                       {0.050, 0.080, 0.090, 0.80}};
-  return description;
+  static const Description kDescription{"plain shape",
+                                        reproduce::FindCase("bomb"),
+                                        {0.053, 0.085, 0.099, 0.76, 0.87},
+                                        {0.050, 0.080, 0.090, 0.80}};
+  return kDescription;
 }
 
 // Pixels beyond reach of the object found in the image: 20 bins and 8 beams.

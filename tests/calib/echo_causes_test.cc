@@ -43,7 +43,7 @@ class EchoCausesTest : public ::testing::Test {
         .value;
   }
 
-  ParameterSet Without(bool mirrors, const std::string& only_material = {}) const {
+  static ParameterSet Without(bool mirrors, const std::string& only_material = {}) {
     ParameterSet parameters = Parameters();
     parameters.receiver.noise_db.reset();
     if (!mirrors) parameters.mirrors.clear();

@@ -42,7 +42,7 @@ class PaperFitToItself : public ::testing::Test {
     return truth;
   }
 
-  std::vector<FitFrame> Frames(std::uint64_t seed) const {
+  static std::vector<FitFrame> Frames(std::uint64_t seed) {
     const sim::Simulator noisy(SmallTank(), SmallSonar(), Options(seed));
     return MakeFitFrames(noisy, [&](const sim::EchoList& echoes, int frame) {
       return noisy.RenderEchoes(echoes, Truth(), frame);
@@ -55,12 +55,12 @@ class PaperFitToItself : public ::testing::Test {
 
   // Fits to kDraws independent recordings, computed once for all tests.
   const std::vector<FitResult>& Fits() const {
-    static const std::vector<FitResult> fits = [this] {
+    static const std::vector<FitResult> kFits = [this] {
       std::vector<FitResult> made;
       for (int draw = 0; draw < kDraws; ++draw) made.push_back(FitFrom(Start(), Frames(10 + draw)));
       return made;
     }();
-    return fits;
+    return kFits;
   }
 
   sim::Simulator simulator_{SmallTank(), SmallSonar(), Options(1)};

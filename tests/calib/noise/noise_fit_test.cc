@@ -606,7 +606,7 @@ Eigen::MatrixXd SandwichOf(const NoiseSolution& solution, const std::vector<Nois
     const Eigen::VectorXd score = NoiseScore(solution, ping, cells, {}, 0.0);
     meat += score * score.transpose();
   }
-  const double count_of_pings = static_cast<double>(pings.size());
+  const auto count_of_pings = static_cast<double>(pings.size());
   return bread * meat * bread * (count_of_pings / (count_of_pings - 1.0));
 }
 

@@ -219,7 +219,7 @@ TEST(StillFrames, AKnownShapeOfTheNoiseIsFollowed) {
   std::vector<PolarImage> images = Draw(scene);
   StillOptions options = OptionsFor(scene);
   const int half = scene.bins / 2;
-  const float grey = static_cast<float>(std::round(6.0 * 255.0 / (scene.db_max - scene.db_min)));
+  const auto grey = static_cast<float>(std::round(6.0 * 255.0 / (scene.db_max - scene.db_min)));
   const double shift_db = grey * (scene.db_max - scene.db_min) / 255.0;
   for (PolarImage& image : images) {
     for (int bin = half; bin < scene.bins; ++bin) {
