@@ -66,7 +66,7 @@ const Pose kQuarterTurnAboutZ = {Eigen::Quaterniond(kHalf, 0.0, 0.0, kHalf), {0.
 class BagTrajectoryTest : public ::testing::Test {
  protected:
   std::filesystem::path Write(Wire wire, const std::vector<MadeUpMessage>& messages) {
-    const auto path = dir_ / (wire == Wire::kRos1 ? "test.bag" : "test.db3");
+    std::filesystem::path path = dir_ / (wire == Wire::kRos1 ? "test.bag" : "test.db3");
     if (wire == Wire::kRos1) {
       testing::WriteFile(path, testing::Ros1BagBytes(messages, {.compression = "lz4"}));
     } else {

@@ -10,7 +10,7 @@
 namespace sonarcal::testing {
 
 struct MadeUpMcap {
-  std::string compression;           // of chunks: "", "lz4", "zstd", or a name that nobody knows
+  std::string compression = {};      // of chunks: "", "lz4", "zstd", or a name that nobody knows
   std::size_t messages_a_chunk = 2;  // 0: no chunks
   bool with_index = true;            // message indices behind the chunks, and a summary
   bool with_crc = true;

@@ -25,7 +25,7 @@ struct MadeUpPing {
   std::vector<std::int16_t> bearing_centideg = {-300, -90, 90, 300};
 
   static std::uint32_t Sample(int range, int beam, int bytes) {
-    const std::uint32_t low = static_cast<std::uint32_t>(10 * range + beam);
+    const auto low = static_cast<std::uint32_t>(10 * range + beam);
     return low | (bytes > 1 ? low << 8 * (bytes - 1) : 0);
   }
   std::size_t RowBytes() const { return std::size_t(beams) * bytes_per_sample + (gain > 0 ? 4 : 0); }

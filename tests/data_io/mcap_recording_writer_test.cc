@@ -83,7 +83,7 @@ class McapRecordingWriterTest : public ::testing::Test {
     WriteMcapRecording(recording, options, "a test", dir_ / "out.mcap");
     return dir_ / "out.mcap";
   }
-  std::vector<DecodedMessage> Of(const testing::DecodedMcap& mcap, const std::string& topic) {
+  static std::vector<DecodedMessage> Of(const testing::DecodedMcap& mcap, const std::string& topic) {
     std::vector<DecodedMessage> found;
     for (const DecodedMessage& message : mcap.messages) {
       if (message.topic == topic) found.push_back(message);

@@ -176,7 +176,7 @@ MemoryRecording PosedAt(const std::vector<std::optional<double>>& times_s) {
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     Frame frame = few.ReadFrame(static_cast<int>(i) % 3);
     frame.info.time_s = times_s[i];
-    const double k = static_cast<double>(i);
+    const auto k = static_cast<double>(i);
     frame.info.world_from_sonar =
         Pose{RotationFromYawPitchRoll(0.3 * k, 0.1 - 0.2 * k, 0.1), Eigen::Vector3d(1.0 + k, -2.0, 0.5 * k)};
     frames.push_back(std::move(frame));

@@ -45,7 +45,7 @@ TEST(CounterRandom, EverythingOfItsKeyMatters) {
 template <typename Cdf>
 double KolmogorovDistance(std::vector<double> sample, const Cdf& cdf) {
   std::sort(sample.begin(), sample.end());
-  const double n = static_cast<double>(sample.size());
+  const auto n = static_cast<double>(sample.size());
   double distance = 0.0;
   for (std::size_t i = 0; i < sample.size(); ++i) {
     const double p = cdf(sample[i]);

@@ -43,6 +43,15 @@ struct Faults {
 
 Faults faults;
 
+// The calls meet their fates until the end of its life.
+class Armed {
+ public:
+  Armed() { faults.is_armed = true; }
+  ~Armed() { faults.is_armed = false; }
+  Armed(const Armed&) = delete;
+  Armed& operator=(const Armed&) = delete;
+};
+
 template <typename Call>
 int Pass(std::string_view name, const Call& call) {
   if (!faults.is_armed || (!faults.only.empty() && faults.only != name)) return static_cast<int>(call());
@@ -227,10 +236,7 @@ class Replacing {
     faults = with;
     faults.has_exchange = scenario_.has_exchange;
     faults.is_mount = scenario_.is_mount;
-    faults.is_armed = true;
-    struct Disarm {
-      ~Disarm() { faults.is_armed = false; }
-    } disarm;
+    const Armed armed;
     OutputDirectory output(out(), scenario_.aside);
     faults.is_armed = false;
     Write(output.staging(), kNew);

@@ -97,7 +97,7 @@ NumpyArray ReadOne(const std::string& value) {
 }
 
 std::string Refusal(const std::string& bytes) {
-  const std::string message = testing::MessageOf([&] { ReadPickledArrays(bytes, "f.pkl"); });
+  std::string message = testing::MessageOf([&] { ReadPickledArrays(bytes, "f.pkl"); });
   EXPECT_THAT(message, StartsWith("f.pkl: byte "));
   EXPECT_EQ(message.find('\n'), std::string::npos);
   return message;

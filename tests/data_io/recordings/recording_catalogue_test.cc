@@ -1,5 +1,6 @@
 #include "data_io/recordings/recording_catalogue.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -66,7 +67,7 @@ TEST(RecordingCatalogue, KnowsARecordingByItsWitness) {
 TEST(RecordingCatalogue, ChecksumsAreThoseOfTheRecordings) {
   for (const PublicRecording& recording : RecordingCatalogue()) {
     if (recording.name.ends_with("three_pings") || recording.witness.empty()) continue;
-    SONARCAL_NEEDS_RECORDING(path, (recording.name + "/" + recording.witness).c_str());
+    SONARCAL_NEEDS_RECORDING(path, fmt::format("{}/{}", recording.name, recording.witness));
     EXPECT_EQ(Sha256OfFile(path), recording.witness_sha256) << recording.name;
   }
 }

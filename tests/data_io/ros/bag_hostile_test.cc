@@ -33,7 +33,7 @@ std::vector<MadeUpMessage> Messages(Wire wire, int count) {
 
 class BagHostileTest : public ::testing::Test {
  protected:
-  std::string Ros1(const testing::MadeUpRos1Bag& how, int messages = 4) {
+  static std::string Ros1(const testing::MadeUpRos1Bag& how, int messages = 4) {
     return testing::Ros1BagBytes(Messages(Wire::kRos1, messages), how);
   }
   std::string Ros2(const std::string& more_sql = "") {

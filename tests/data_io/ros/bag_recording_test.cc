@@ -40,7 +40,7 @@ class BagRecordingTest : public ::testing::Test {
   // Writes a bag of the kind that goes with the messages' serialization, and returns its path.
   std::filesystem::path Write(Wire wire, const std::vector<MadeUpMessage>& messages,
                               const testing::MadeUpRos1Bag& how = {}) {
-    const auto path = dir_ / (wire == Wire::kRos1 ? "test.bag" : "test.db3");
+    std::filesystem::path path = dir_ / (wire == Wire::kRos1 ? "test.bag" : "test.db3");
     if (wire == Wire::kRos1) {
       testing::WriteFile(path, testing::Ros1BagBytes(messages, how));
     } else {

@@ -35,11 +35,11 @@ std::vector<MadeUpMessage> Messages(int first, int count, bool compressed) {
 
 class CompressedBagTest : public ::testing::Test {
  protected:
-  CompressedBagTest() {
+  void SetUp() override {
     std::filesystem::create_directory(dir_ / "scratch");
     setenv("TMPDIR", (dir_ / "scratch").c_str(), 1);
   }
-  ~CompressedBagTest() override {
+  void TearDown() override {
     // No copy is left behind, whatever happened.
     EXPECT_TRUE(std::filesystem::is_empty(dir_ / "scratch"));
     unsetenv("TMPDIR");

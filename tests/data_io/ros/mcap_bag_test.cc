@@ -67,7 +67,7 @@ class McapBagTest : public ::testing::Test {
     testing::WriteFile(dir_ / name, bytes);
     return dir_ / name;
   }
-  std::string Bytes(const MadeUpMcap& how, int frames = 4, MadeUpMcapPlaces* places = nullptr) {
+  static std::string Bytes(const MadeUpMcap& how, int frames = 4, MadeUpMcapPlaces* places = nullptr) {
     return testing::McapBytes(Messages(frames), how, places);
   }
   // The notes of the bag made of these bytes.

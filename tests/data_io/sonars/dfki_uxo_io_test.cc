@@ -189,7 +189,7 @@ TEST_F(DfkiUxoTest, DamageIsRefusedByName) {
   const auto refusal_with = [&](const std::filesystem::path& file, const std::string& bytes) {
     const std::string whole = testing::ReadFile(file);
     testing::WriteFile(file, bytes);
-    const std::string refusal = testing::RefusalOf(recording_);
+    std::string refusal = testing::RefusalOf(recording_);
     testing::WriteFile(file, whole);
     return refusal;
   };

@@ -20,7 +20,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using testing::MadeUpPing;
 
-std::string Text(ByteWriter writer) {
+std::string Text(const ByteWriter& writer) {
   return writer.bytes();
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -40,11 +41,11 @@ MetricsReport RunOf(int count, double step, std::uint64_t noise_seed, int first 
   return report;
 }
 
-const FigureChange& ChangeOf(const Against& against, const std::string& path, bool fan = false) {
+const FigureChange& ChangeOf(const Against& against, std::string_view path, bool fan = false) {
   for (const FigureChange& change : against.figures) {
     if (change.path == path && change.fan == fan) return change;
   }
-  throw std::logic_error(path);
+  throw std::logic_error(std::string(path));
 }
 
 constexpr const char* kError = "intensity.union.mean_absolute";
