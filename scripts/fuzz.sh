@@ -47,12 +47,13 @@ mkdir -p "$root/build-fuzz/broken" "$root/build-fuzz/runs"
 # A report shows only two calls of the stack that allocated or freed memory. Inputs run about a fifth faster with that.
 export ASAN_OPTIONS="${ASAN_OPTIONS:-malloc_context_size=2}"
 
-# libfuzzer TARGET OPTION ...: goes on from all inputs of the target that are known
+# libfuzzer TARGET OPTION ...: goes on from all inputs of the target that are known. Without weights by the rarity of
+# what an input reaches (entropic), a third more inputs run in the same time.
 libfuzzer() {
   local target=$1
   shift
   "$root/build-fuzz/tests/fuzz/fuzz_$target" "$root/build-fuzz/found/$target" "$root/tests/fuzz/corpus/$target" \
-    -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 -max_len=65536 \
+    -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 -max_len=65536 -entropic=0 \
     -artifact_prefix="$root/build-fuzz/broken/$target-" "$@"
 }
 

@@ -20,8 +20,9 @@ Grid<float> GammaImage(double looks, std::uint64_t seed) {
   std::gamma_distribution<double> power(looks, 1.0 / looks);
   Grid<float> image(kBins, kBeams);
   for (int bin = 0; bin < kBins; ++bin) {
+    const int step = bin / 16;
     for (int beam = 0; beam < kBeams; ++beam) {
-      const double level_db = 50.0 + 10.0 * (bin / 16) / (kBins / 16.0) + 10.0 * std::log10(power(random));
+      const double level_db = 50.0 + 10.0 * step / (kBins / 16.0) + 10.0 * std::log10(power(random));
       image(bin, beam) = static_cast<float>(255.0 / 80.0 * level_db);
     }
   }

@@ -73,14 +73,26 @@ int RenameAt(const char* from, const char* to, unsigned flags) {
 
 }  // namespace
 
-// These stand in front of the functions of the C library, also for the C++ library.
+// These stand in front of the functions of the C library, also for the C++ library. They have other names,
+// because the C library reserves the names of its parameters, and flock is also a struct.
 extern "C" {
 
-int rename(const char* from, const char* to) noexcept {
+int Rename(const char* from, const char* to) noexcept __asm__("rename");
+int RenameOrExchange(int, const char* from, int, const char* to, unsigned flags) noexcept
+    __asm__("renameat2");
+int LinkAt(int from_dir, const char* from, int to_dir, const char* to, int flags) noexcept __asm__("linkat");
+int MakeFolder(const char* path, mode_t mode) noexcept __asm__("mkdir");
+int ChangeModeAt(int dir, const char* path, mode_t mode, int flags) noexcept __asm__("fchmodat");
+int UnlinkAt(int dir, const char* path, int flags) noexcept __asm__("unlinkat");
+int Remove(const char* path) noexcept __asm__("remove");
+int LockFile(int file, int operation) noexcept __asm__("flock");
+
+int Rename(const char* from, const char* to) noexcept {
   return Pass("rename", [&] { return RenameAt(from, to, 0); });
 }
 
-int renameat2(int /*from_dir*/, const char* from, int /*to_dir*/, const char* to, unsigned flags) noexcept {
+int RenameOrExchange(int /*from_dir*/, const char* from, int /*to_dir*/, const char* to,
+                     unsigned flags) noexcept {
   return Pass("renameat2", [&] {
     if (faults.is_armed && faults.is_mount) {
       errno = EBUSY;
@@ -92,31 +104,28 @@ int renameat2(int /*from_dir*/, const char* from, int /*to_dir*/, const char* to
   });
 }
 
-int linkat(int from_dir, const char* from, int to_dir, const char* to, int flags) noexcept {
+int LinkAt(int from_dir, const char* from, int to_dir, const char* to, int flags) noexcept {
   return Pass("linkat", [&] { return syscall(SYS_linkat, from_dir, from, to_dir, to, flags); });
 }
 
-int mkdir(const char* path, mode_t mode) noexcept {
+int MakeFolder(const char* path, mode_t mode) noexcept {
   return Pass("mkdir", [&] { return syscall(SYS_mkdirat, AT_FDCWD, path, mode); });
 }
 
-int fchmodat(int dir, const char* path, mode_t mode, int /*flags*/) noexcept {
+int ChangeModeAt(int dir, const char* path, mode_t mode, int /*flags*/) noexcept {
   return Pass("fchmodat", [&] { return syscall(SYS_fchmodat, dir, path, mode); });
 }
 
-int unlinkat(int dir, const char* path, int flags) noexcept {
+int UnlinkAt(int dir, const char* path, int flags) noexcept {
   return Pass("unlinkat", [&] { return syscall(SYS_unlinkat, dir, path, flags); });
 }
 
-int remove(const char* path) noexcept {
+int Remove(const char* path) noexcept {
   return Pass("remove", [&] {
     const auto result = syscall(SYS_unlinkat, AT_FDCWD, path, 0);
     return result != 0 && errno == EISDIR ? syscall(SYS_unlinkat, AT_FDCWD, path, AT_REMOVEDIR) : result;
   });
 }
-
-// Its own name is also that of a struct.
-int LockFile(int file, int operation) noexcept __asm__("flock");
 
 int LockFile(int file, int operation) noexcept {
   if (!faults.is_armed || faults.has_locks) return static_cast<int>(syscall(SYS_flock, file, operation));

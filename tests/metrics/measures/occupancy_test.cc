@@ -10,12 +10,12 @@ namespace {
 using testing::MaskOf;
 
 const Mask& Real() {
-  static const Mask mask = MaskOf({"####", "##..", "...."});
-  return mask;
+  static const Mask kMask = MaskOf({"####", "##..", "...."});
+  return kMask;
 }
 const Mask& Simulated() {
-  static const Mask mask = MaskOf({".###", "....", "...#"});
-  return mask;
+  static const Mask kMask = MaskOf({".###", "....", "...#"});
+  return kMask;
 }
 
 TEST(OccupancyTest, CountsAndRatiosEqualThoseByHand) {

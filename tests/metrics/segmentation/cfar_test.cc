@@ -119,7 +119,7 @@ TEST(CfarTest, AgreesWithTheWindowGatheredPixelByPixel) {
           sum += power(r, c);
         }
       }
-      const double n = static_cast<double>(cells.size());
+      const auto n = static_cast<double>(cells.size());
       ASSERT_NEAR(averaged(row, col), n * std::log10(1.0 + power(row, col) / sum), 1e-4);
       std::sort(cells.begin(), cells.end());
       const int rank = static_cast<int>(std::lround(0.75 * n));
@@ -174,7 +174,7 @@ TEST(CfarTest, InGreyAgreesWithTheWindowGatheredPixelByPixel) {
           squares += static_cast<double>(grey(r, c)) * grey(r, c);
         }
       }
-      const double n = static_cast<double>(cells.size());
+      const auto n = static_cast<double>(cells.size());
       const double mean = sum / n;
       const double by_mean = mean_law.Decades((grey(row, col) - mean) / std::sqrt(squares / n - mean * mean));
       ASSERT_NEAR(averaged(row, col), by_mean, 1e-3 * (1.0 + by_mean)) << row << ", " << col;
@@ -254,7 +254,7 @@ TEST(CfarTest, InvalidCellsAreNoTrainingCells) {
       power(row, col) = 0.0F;
     }
   }
-  const double valid_count = static_cast<double>(CountSet(valid));
+  const auto valid_count = static_cast<double>(CountSet(valid));
   for (const SegmentationMethod method : kMethods) {
     const auto rate = [&](const Grid<float>& decades) {
       double above = 0.0;

@@ -25,7 +25,7 @@ struct FrameCase {
 
 class AcousticFrame : public ::testing::TestWithParam<FrameCase> {
  protected:
-  ParameterSet Parameters() const {
+  static ParameterSet Parameters() {
     ParameterSet set;
     set.model = EchoModel::kAcoustic;
     set.source_level_db = 200.0;

@@ -380,7 +380,7 @@ TEST_F(SampledImage, SensitivityScalesTheEchoesOfABeam) {
 TEST_F(SampledImage, OneLookIsExponential) {
   std::vector<double> ratios = IndependentRatios(120);
   std::sort(ratios.begin(), ratios.end());
-  const double n = static_cast<double>(ratios.size());
+  const auto n = static_cast<double>(ratios.size());
   ASSERT_GT(n, 4000);
   double distance = 0.0;
   double mean_db = 0.0;
@@ -423,7 +423,7 @@ TEST_F(SampledImage, LooksDivideTheVariance) {
   for (const auto& c : cases) {
     acoustics_.parameters.receiver.looks = c.looks;
     const std::vector<double> ratios = IndependentRatios(100);
-    const double n = static_cast<double>(ratios.size());
+    const auto n = static_cast<double>(ratios.size());
     double mean = 0.0;
     for (const double ratio : ratios) mean += ratio / n;
     double variance = 0.0;

@@ -37,8 +37,10 @@ EchoList EvenlySpreadEchoes(const SonarModel& sonar) {
     for (int beam = 2; beam < 11; ++beam) {
       if ((3 * bin + 5 * beam) % 4 == 0) continue;  // holes
       for (int i = 0; i < 4 * kRanges * kAzimuths; ++i) {
-        const double in_bin = (i / kAzimuths + 0.5) / (4 * kRanges);
-        const double in_beam = (i % kAzimuths + 0.5) / kAzimuths;
+        const int range = i / kAzimuths;
+        const int azimuth = i % kAzimuths;
+        const double in_bin = (range + 0.5) / (4 * kRanges);
+        const double in_beam = (azimuth + 0.5) / kAzimuths;
         echoes.ray.push_back(static_cast<std::uint32_t>(beam + kBeams * i));
         echoes.material.push_back((bin + beam) % 3 == 0 ? 1 : 0);
         echoes.range_m.push_back(

@@ -40,16 +40,16 @@ ParameterSet FanParameters() {
 
 // A plate whose left and upper edges lie on the axis: what all pixels hear of it.
 double TotalPower(const RayFanOptions& options, const Pose& pose) {
-  static const SonarModel sonar = Sonar();
-  static const RayCaster caster([] {
+  static const SonarModel kSonar = Sonar();
+  static const RayCaster kCaster([] {
     Scene plate;
     AddQuad(plate, {0, kPlateM, -0.4}, {0.4, 0, 0}, {0, 0, 0.4}, "plate");
     return plate;
   }());
-  const RayFan fan(sonar, options);
+  const RayFan fan(kSonar, options);
   const ScatterMap scatter =
-      MakeScatterMap(Trace(caster, fan, pose, sonar.axes), fan, {sonar, 0.3}, FanParameters());
-  const PolarImage power = ExpectedPower(scatter, {sonar, 0.3}, FanParameters());
+      MakeScatterMap(Trace(kCaster, fan, pose, kSonar.axes), fan, {kSonar, 0.3}, FanParameters());
+  const PolarImage power = ExpectedPower(scatter, {kSonar, 0.3}, FanParameters());
   double sum = 0.0;
   for (const float value : power.value.values()) sum += value;
   return sum;

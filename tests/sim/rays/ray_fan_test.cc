@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-SonarModel SonarWithBeams(std::vector<double> azimuth_deg, double elevation_width_deg = 20.0) {
+SonarModel SonarWithBeams(const std::vector<double>& azimuth_deg, double elevation_width_deg = 20.0) {
   SonarModel sonar{.name = "test sonar",
                    .frequency_hz = 900e3,
                    .axes = {0.5, 9.0, 100, {}},
