@@ -37,7 +37,6 @@ constexpr double kMinReach = 0.3;
 // If a profile rises by less than this fraction of the parabola's rise, no standard error describes it.
 constexpr double kMinRise = 0.3;
 
-constexpr int kGsabMembers = 6;
 using Curve = std::array<double, kGsabMembers>;  // A, B, C, D, E, F
 
 // Half-width of the Gaussian nearest to cos^d, and the exponent of the cosine nearest to a Gaussian.

@@ -12,15 +12,13 @@
 namespace sonarcal::calib {
 namespace {
 
-constexpr int kMembers = sim::kCurveTerms - 1;  // A to F
-
 // The entries of a material's curve.
 struct CurveEntries {
-  std::array<double, kMembers> fitted = {};          // values, of fixed entries too
-  std::array<double, kMembers> at_priors = {};       // as above, with the centres of the priors
-  std::array<double, kMembers> prior_variance = {};  // of the coordinates
-  std::array<int, kMembers> place = {};              // among the fitted entries; -1: not fitted
-  std::array<const CatalogEntry*, kMembers> entry = {};
+  std::array<double, kGsabMembers> fitted = {};          // values, of fixed entries too
+  std::array<double, kGsabMembers> at_priors = {};       // as above, with the centres of the priors
+  std::array<double, kGsabMembers> prior_variance = {};  // of the coordinates
+  std::array<int, kGsabMembers> place = {};              // among the fitted entries; -1: not fitted
+  std::array<const CatalogEntry*, kGsabMembers> entry = {};
 };
 
 CurveEntries EntriesOf(int material, const std::vector<CatalogEntry>& catalog, const ParameterValues& values,
@@ -46,20 +44,20 @@ CurveEntries EntriesOf(int material, const std::vector<CatalogEntry>& catalog, c
 // Level of a curve, and its slopes by the coordinates of A to F.
 struct SlopedLevel {
   double level_db = 0.0;
-  Eigen::Matrix<double, kMembers, 1> slope;
+  Eigen::Matrix<double, kGsabMembers, 1> slope;
 };
 
-SlopedLevel LevelAt(const std::array<double, kMembers>& g, const CurveEntries& of, double incidence_deg) {
+SlopedLevel LevelAt(const std::array<double, kGsabMembers>& g, const CurveEntries& of, double incidence_deg) {
   const CurveDual level_db =
       sim::GsabDb(WithDerivatives({g[0], g[1], g[2], g[3], g[4], g[5]}), incidence_deg);
   SlopedLevel at{.level_db = level_db.a, .slope = level_db.v};
-  for (int k = 0; k < kMembers; ++k) at.slope(k) *= of.place[k] < 0 ? 0.0 : of.entry[k]->ValueSlope(g[k]);
+  for (int k = 0; k < kGsabMembers; ++k) at.slope(k) *= of.place[k] < 0 ? 0.0 : of.entry[k]->ValueSlope(g[k]);
   return at;
 }
 
 double VarianceOfPriors(const CurveEntries& of, const SlopedLevel& at) {
   double variance = 0.0;
-  for (int k = 0; k < kMembers; ++k) {
+  for (int k = 0; k < kGsabMembers; ++k) {
     if (at.slope(k) != 0.0) variance += at.slope(k) * at.slope(k) * of.prior_variance[k];
   }
   return variance;
@@ -76,7 +74,7 @@ std::vector<FittedCurve> FittedCurves(const std::vector<CatalogEntry>& catalog,
     const CurveEntries of = EntriesOf(static_cast<int>(material), catalog, values, fitted);
     std::vector<int> columns;
     std::vector<int> places;
-    for (int k = 0; k < kMembers; ++k) {
+    for (int k = 0; k < kGsabMembers; ++k) {
       if (of.entry[k] == nullptr || of.place[k] < 0) continue;
       columns.push_back(k);
       places.push_back(of.place[k]);

@@ -14,6 +14,9 @@ namespace {
 // standard deviation). A level is also unidentifiable if its standard error exceeds kMaxSigmaDb.
 constexpr double kMaxPriorShare = 0.25;
 constexpr double kMaxSigmaDb = 20.0;
+// Level and trend of the floor are not determined separately if the variance of the level in the middle of
+// the window is below this share of its variance at range 0.
+constexpr double kMaxShareAtMiddle = 0.25;
 constexpr double kTogether = 0.9;  // a correlation above which two parameters are determined only together
 
 class Builder {
@@ -118,7 +121,8 @@ class Builder {
     at_middle[layout.slope] = 0.5 * (near_m + far_m);
     const double variance =
         std::max(at_middle.dot(covariance_ * at_middle), at_middle.dot(posterior_ * at_middle));
-    if (!(variance <= 0.25 * Variance(layout.noise_db) && variance <= kMaxSigmaDb * kMaxSigmaDb)) return;
+    if (!(variance <= kMaxShareAtMiddle * Variance(layout.noise_db) && variance <= kMaxSigmaDb * kMaxSigmaDb))
+      return;
     report_.unidentifiable_directions.push_back(fmt::format(
         "receiver.noise_db and receiver.noise_slope_db_per_m are not determined separately: only the noise "
         "level over the fitted ranges, {:.2f} to {:.2f} m, is known, at their middle to {:.2g} dB",

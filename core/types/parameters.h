@@ -26,6 +26,7 @@ struct GsabParameters {
 
   bool operator==(const GsabParameters&) const = default;
 };
+inline constexpr int kGsabMembers = 6;
 
 struct MaterialParameters {
   GsabParameters<double> gsab;

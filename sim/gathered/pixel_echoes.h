@@ -65,7 +65,7 @@ PixelEchoes GatherPixelEchoes(const Simulator& simulator, const Pose& world_from
 PixelEchoes Difference(const PixelEchoes& above, const PixelEchoes& below, double scale);
 
 // Values of a curve at a node: its power, and the derivatives by A, B, C, D, E and F.
-inline constexpr int kCurveTerms = 7;
+inline constexpr int kCurveTerms = 1 + kGsabMembers;
 inline constexpr int kCurveStride = 8;  // stride in a table, aligned for vector instructions
 
 // Adds a pixel's echoes, material by material. `sums` holds kCurveStride values per material, `curves`
