@@ -21,7 +21,7 @@ std::string AttributeFault(std::string_view rest) {
   for (;;) {
     const std::size_t start = rest.find_first_not_of(" \n");
     if (start == std::string_view::npos) return "";
-    const std::string fault = "attributes: " + Excerpt(rest, start);
+    std::string fault = "attributes: " + Excerpt(rest, start);
     if (start == 0) return fault;
     rest.remove_prefix(start);
     const std::size_t name_end = std::min(rest.find_first_not_of(kNameCharacters), rest.size());
@@ -60,7 +60,7 @@ std::string HtmlFault(std::string_view html) {
     const bool raw = !open.empty() && (open.back() == "style" || open.back() == "script");
     const std::size_t tag = raw ? html.find("</" + open.back() + ">", position) : html.find('<', position);
     const std::string_view text = html.substr(position, tag - position);
-    if (const std::string fault = raw ? "" : TextFault(text); !fault.empty()) return fault;
+    if (std::string fault = raw ? "" : TextFault(text); !fault.empty()) return fault;
     if (tag == std::string_view::npos) break;
     const std::size_t end = html.find('>', tag);
     if (end == std::string_view::npos) return "tag without end: " + Excerpt(html, tag);
@@ -74,7 +74,7 @@ std::string HtmlFault(std::string_view html) {
     const bool closed = content.ends_with('/');
     if (closed) content.pop_back();
     const std::size_t name_end = std::min(content.find_first_of(" \n"), content.size());
-    if (const std::string fault = AttributeFault(std::string_view(content).substr(name_end)); !fault.empty())
+    if (std::string fault = AttributeFault(std::string_view(content).substr(name_end)); !fault.empty())
       return fault;
     if (!closed) open.push_back(content.substr(0, name_end));
   }

@@ -31,7 +31,7 @@ class ObjectRegion : public ::testing::Test {
     real_ = world_.WriteSimulated("real", true);
   }
 
-  void Run(const std::string& arguments) const {
+  static void Run(const std::string& arguments) {
     const Outcome outcome = RunSonarcal(arguments + " -q");
     ASSERT_EQ(outcome.status, 0) << arguments << '\n' << outcome.err;
   }

@@ -36,7 +36,7 @@ ParameterSet FarFromTruth() {
 class PaperFitTest : public ::testing::Test {
  protected:
   // A noisy sample of the paper model, ray by ray, in whole grey levels: not the blurred mean that is fitted.
-  std::vector<FitFrame> NoisyFrames(std::uint64_t seed) const {
+  static std::vector<FitFrame> NoisyFrames(std::uint64_t seed) {
     sim::SimulationOptions options = SmallTankOptions();
     options.noise = true;
     options.seed = seed;
@@ -86,7 +86,7 @@ TEST_F(PaperFitTest, TheTrueParametersAreFoundWithinThreeStandardErrors) {
 TEST_F(PaperFitTest, AMaterialThatIsNotSeenIsNotIdentifiable) {
   std::vector<FitFrame> frames = NoisyFrames(8);
   frames.resize(1);
-  materials_.push_back("lid");
+  materials_.emplace_back("lid");
   for (FitFrame& frame : frames) frame.echoes.materials = 3;
   ParameterSet start = SmallTankTruth();
   start.materials["lid"];
@@ -106,7 +106,7 @@ TEST_F(PaperFitTest, AMaterialThatIsNotSeenIsNotIdentifiable) {
 
 TEST_F(PaperFitTest, AMaterialThatIsNotSeenKeepsNoLevelFromBeingFound) {
   std::vector<FitFrame> frames = NoisyFrames(8);
-  materials_.push_back("lid");
+  materials_.emplace_back("lid");
   for (FitFrame& frame : frames) frame.echoes.materials = 3;
   ParameterSet dark = SmallTankTruth();
   for (auto& [name, material] : dark.materials) {

@@ -95,7 +95,7 @@ TEST(JackknifeCovarianceTest, IsThatOfWholeMatricesIfBlocksDependOnFewParameters
     sum += share;
     square += share.cwiseAbs2();
   }
-  const double count = static_cast<double>(whole.size());
+  const auto count = static_cast<double>(whole.size());
   by_hand *= (count - 1.0) / count;
   by_hand += inverse * prior * inverse;
   EXPECT_TRUE(JackknifeCovariance(equations).isApprox(by_hand, 1e-9));

@@ -61,8 +61,8 @@ class Folder {
 };
 
 const Folder& TheFolder() {
-  static const Folder folder;
-  return folder;
+  static const Folder kFolder;
+  return kFolder;
 }
 
 // An input may hold frames by the thousand, all through the same code.
@@ -80,22 +80,22 @@ void RecordingFile(std::string_view bytes) {
 
 // The frame beside it: 3 x 2 pixels.
 void RecordingFolder(std::string_view bytes) {
-  static const bool written = [] {
+  static const bool kWritten = [] {
     data_io::WritePng(TheFolder().path() / "frame_0000.png", Grid<std::uint8_t>(3, 2, 100));
     return true;
   }();
-  static_cast<void>(written);
+  static_cast<void>(kWritten);
   TheFolder().Write("recording.json", bytes);
   ReadSomeFrames(*data_io::OpenRecordingFolder(TheFolder().path()));
 }
 
 // Settings of a DIDSON ping, beside a picture of one.
 void DidsonSettings(std::string_view bytes) {
-  static const bool written = [] {
+  static const bool kWritten = [] {
     data_io::WritePng(TheFolder().path() / "1468966376476216.png", Grid<std::uint8_t>(512, 96, 7));
     return true;
   }();
-  static_cast<void>(written);
+  static_cast<void>(kWritten);
   ReadSomeFrames(*data_io::OpenRecording(TheFolder().Write("1468966376476216.json", bytes)));
 }
 
@@ -123,7 +123,7 @@ constexpr const char* kFanGeometry =
 // that is missing is 0. The files of pictures themselves are the inputs of Picture and Jpeg.
 void FanPicture(std::string_view bytes) {
   constexpr int kMaxSide = 48;  // a search of a larger picture takes longer
-  static const fs::path geometry = TheFolder().Write("picture.geometry.json", kFanGeometry);
+  static const fs::path kGeometry = TheFolder().Write("picture.geometry.json", kFanGeometry);
   if (bytes.size() < 2) throw DataError("{} bytes, expected the size of a picture", bytes.size());
   const auto side = [](char byte) { return 1 + static_cast<unsigned char>(byte) % kMaxSide; };
   Grid<std::uint8_t> grey(side(bytes[0]), side(bytes[1]));
@@ -136,7 +136,7 @@ void FanPicture(std::string_view bytes) {
 
 // What is said of it, beside a picture of a fan of 60 degrees.
 void PictureGeometry(std::string_view bytes) {
-  static const fs::path picture = [] {
+  static const fs::path kPicture = [] {
     Grid<std::uint8_t> fan(60, 70);
     for (int row = 0; row < 60; ++row) {
       for (int col = 0; col < 70; ++col) {
@@ -150,7 +150,7 @@ void PictureGeometry(std::string_view bytes) {
     return TheFolder().path() / "fan.png";
   }();
   TheFolder().Write("fan.png.geometry.json", bytes);
-  ReadSomeFrames(*data_io::OpenRecording(picture));
+  ReadSomeFrames(*data_io::OpenRecording(kPicture));
 }
 
 // The container alone: every message is read.
@@ -165,7 +165,7 @@ void Mcap(std::string_view bytes) {
 
 // A frame beside a configuration that fits.
 void Neusis(std::string_view bytes) {
-  static const fs::path config =
+  static const fs::path kConfig =
       TheFolder().Write("Config.json", R"({"RangeMin": 0, "RangeMax": 3, "Azimuth": 60, "Elevation": 12})");
   ReadSomeFrames(*data_io::OpenRecording(TheFolder().Write("000.pkl", bytes)));
 }
@@ -215,12 +215,12 @@ void BagTrajectory(std::string_view bytes) {
 
 // Table of the frames of the DFKI data set, beside a picture of one.
 void DfkiFrames(std::string_view bytes) {
-  static const bool written = [] {
+  static const bool kWritten = [] {
     fs::create_directories(TheFolder().path() / "aris_raw");
     TheFolder().Write("aris_raw/0622.pgm", "P5\n64 6\n255\n" + std::string(std::size_t{64} * 6, 'x'));
     return true;
   }();
-  static_cast<void>(written);
+  static_cast<void>(kWritten);
   TheFolder().Write("aris_frame_meta.csv", bytes);
   ReadSomeFrames(*data_io::OpenRecording(TheFolder().path()));
 }
@@ -244,11 +244,11 @@ void Mount(std::string_view bytes) {
 // The input follows the hash of a part of a comparison. The hash is that of the input, so that damage reaches
 // the parser.
 void ComparisonPartBody(std::string_view bytes) {
-  static const std::string header = [] {
+  static const std::string kHeader = [] {
     const std::string part = metrics::ComparisonPartBytes({});
     return part.substr(0, part.find('\n') + 1);
   }();
-  metrics::ParseComparisonPart(header + data_io::Sha256(bytes) + std::string(bytes), "part");
+  metrics::ParseComparisonPart(kHeader + data_io::Sha256(bytes) + std::string(bytes), "part");
 }
 
 struct NamedParser {
@@ -286,7 +286,7 @@ constexpr NamedParser kParsers[] = {
 }  // namespace
 
 Parser FindParser(std::string_view name) {
-  const auto found = std::ranges::find(kParsers, name, &NamedParser::name);
+  const auto* const found = std::ranges::find(kParsers, name, &NamedParser::name);
   return found == std::end(kParsers) ? nullptr : found->parser;
 }
 

@@ -238,10 +238,11 @@ TEST_F(Pings, MeanOfCoherentFramesIsTheExpectedFrame) {
     const Grid<double> power = PowerOf(simulator->RenderPings(pose_, pings, parameters, draw));
     for (std::size_t i = 0; i < sum.size(); ++i) sum.values()[i] += power.values()[i] / kDraws;
   }
+  constexpr int kBeamsPerPing = kBeams / kPings;
   std::vector<double> of_ping(kPings, 0.0);
   for (int beam = 0; beam < kBeams; ++beam) {
     for (int bin = 4; bin < kBins - 4; ++bin)
-      of_ping[beam % kPings] += sum(bin, beam) / expected(bin, beam) / (kBeams / kPings * (kBins - 8));
+      of_ping[beam % kPings] += sum(bin, beam) / expected(bin, beam) / (kBeamsPerPing * (kBins - 8));
   }
   // About 60 independent values per draw and ping.
   for (int ping = 0; ping < kPings; ++ping) EXPECT_NEAR(of_ping[ping], 1.0, 0.06) << ping;

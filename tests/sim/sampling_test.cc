@@ -50,7 +50,9 @@ Pose LevelAt(double x_m, double y_m, double z_m) {
 
 class BothWays : public ::testing::TestWithParam<Sampling> {
  protected:
-  RayFanOptions Fan(int cols, int rows) const { return {.sampling = GetParam(), .cols = cols, .rows = rows}; }
+  static RayFanOptions Fan(int cols, int rows) {
+    return {.sampling = GetParam(), .cols = cols, .rows = rows};
+  }
 };
 
 // --- Stripes

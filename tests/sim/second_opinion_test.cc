@@ -81,8 +81,8 @@ class SecondOpinion : public ::testing::TestWithParam<Case> {
  protected:
   // At most one grey level apart in 99.9 % of pixels. Wherever rounding alone does not explain a difference,
   // rays beside an edge or the border of a bin must account for it, and these are rare.
-  void ExpectAgreement(const Scene& scene, const ref::World& world, const Pose& pose, int least_lit,
-                       double doubt_m = kDoubtM, double level_tolerance = 0.02) {
+  static void ExpectAgreement(const Scene& scene, const ref::World& world, const Pose& pose, int least_lit,
+                              double doubt_m = kDoubtM, double level_tolerance = 0.02) {
     const SonarPreset& preset = FindSonarPreset("p900-45");
     SimulationOptions options;
     options.fan = {.sampling = GetParam().sampling, .cols = 1500, .rows = 1200};

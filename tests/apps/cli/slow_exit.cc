@@ -4,10 +4,14 @@
 
 namespace {
 
-struct SlowExit {
+class SlowExit {
+ public:
+  SlowExit() = default;
   ~SlowExit() { std::this_thread::sleep_for(std::chrono::seconds(1)); }
+  SlowExit(const SlowExit&) = delete;
+  SlowExit& operator=(const SlowExit&) = delete;
 };
 
-const SlowExit slow_exit;
+const SlowExit kSlowExit;
 
 }  // namespace

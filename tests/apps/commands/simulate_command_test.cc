@@ -459,7 +459,7 @@ TEST(SimulateCommand, FramesWithoutEchoesAreReportedWithTheLikelyReason) {
     std::vector<data_io::TimedPose> timed;
     for (const Pose& pose : poses) timed.push_back({static_cast<double>(timed.size()), pose});
     data_io::WritePoses(world.poses(), timed);
-    const Outcome outcome = RunSonarcal(simulate);
+    Outcome outcome = RunSonarcal(simulate);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return outcome;
   };

@@ -85,7 +85,7 @@ class Running {
   }
 
   // Sends the signal as soon as there is such a file; false where the process ends before.
-  bool SignalOnce(const fs::path& file, int signal) {
+  bool SignalOnce(const fs::path& file, int signal) const {
     siginfo_t info = {};
     while (!fs::exists(file)) {
       info.si_pid = 0;

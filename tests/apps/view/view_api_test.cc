@@ -114,19 +114,20 @@ TEST_F(ViewApiTest, EveryParameterHasAControl) {
   full.receiver.noise_after_gain_db = 1.0;
   for (const char* material : {"floor", "box"}) full.mirrors[material].loss_db = 3.0;
   int count = 0;
-  const std::function<void(const Json&, std::vector<std::string>)> walk = [&](const Json& node,
-                                                                              std::vector<std::string> path) {
-    for (const auto& [key, value] : node.items()) {
-      std::vector<std::string> below = path;
-      below.push_back(key);
-      if (value.is_object()) {
-        walk(value, below);
-      } else if (!value.is_array() && key != "format" && key != "model") {
-        EXPECT_EQ(paths.contains(below), key != "diffuse_share") << fmt::format("{}", fmt::join(below, "."));
-        ++count;
-      }
-    }
-  };
+  const std::function<void(const Json&, const std::vector<std::string>&)> walk =
+      [&](const Json& node, const std::vector<std::string>& path) {
+        for (const auto& [key, value] : node.items()) {
+          std::vector<std::string> below = path;
+          below.push_back(key);
+          if (value.is_object()) {
+            walk(value, below);
+          } else if (!value.is_array() && key != "format" && key != "model") {
+            EXPECT_EQ(paths.contains(below), key != "diffuse_share")
+                << fmt::format("{}", fmt::join(below, "."));
+            ++count;
+          }
+        }
+      };
   walk(Json::parse(data_io::ParametersJson(full).dump()), {"parameters"});
   EXPECT_GT(count, 40);
 }
@@ -253,7 +254,9 @@ TEST_F(ViewApiTest, TheMeshIsTheScene) {
   const Framed framed = ReadFramed(api_->Answer("GET", "/api/scene", {}));
   ASSERT_EQ(framed.data.size(), 12 * scene.vertices_m.size() + 14 * scene.triangles.size());
   for (std::size_t i = 0; i < scene.vertices_m.size(); ++i) {
-    EXPECT_EQ(std::memcmp(&framed.data[12 * i], scene.vertices_m[i].data(), 12), 0);
+    Eigen::Vector3f vertex_m;
+    std::memcpy(vertex_m.data(), &framed.data[12 * i], 12);
+    EXPECT_EQ(vertex_m, scene.vertices_m[i]);
   }
   const char* triangles = &framed.data[12 * scene.vertices_m.size()];
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {

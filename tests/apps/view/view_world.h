@@ -68,7 +68,7 @@ class ViewApiTest : public ::testing::Test {
     api_ = std::make_unique<view::ViewApi>(*session_, Options().out);
   }
 
-  nlohmann::json State() const {
+  static nlohmann::json State() {
     return {{"parameters", nlohmann::json::parse(data_io::ParametersJson(TinyParameters()).dump())}};
   }
 

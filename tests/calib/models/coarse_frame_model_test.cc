@@ -110,7 +110,7 @@ TEST_F(CoarseFrameModelTest, AModelOfOneCurveDiffersByAConstant) {
   const std::vector<AcousticFrame> frames = Frames(truth);
   const AcousticFrameModel fine(simulator_, frames, truth);
   const CoarseFrameModel coarse(fine, fine.sonar_at_point(), fine.echoes(), {.bins = 2, .beams = 4});
-  const ParameterValues at = fine.initial_values();
+  const ParameterValues& at = fine.initial_values();
   const int first = FindEntry(fine.catalog(), "material.floor.gsab.A");
   ASSERT_GE(first, 0);
   const auto curve = coarse.OfCurve(fine.catalog()[first].material, at);

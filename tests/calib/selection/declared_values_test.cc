@@ -62,7 +62,7 @@ TEST(DeclaredValues, AnOriginThatIsTrustedChangesTheOthersAsALeastSquaresProblem
         }
         const Eigen::MatrixXd block = covariance(mine, mine);
         const Eigen::VectorXd step = moved(mine);
-        const double count = static_cast<double>(mine.size());
+        const auto count = static_cast<double>(mine.size());
         excess.push_back((step.dot(block.inverse() * step) - count) / std::sqrt(2.0 * count));
       }
       const auto least = std::ranges::min_element(excess);
