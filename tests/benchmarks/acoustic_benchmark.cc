@@ -32,7 +32,7 @@ void AcousticFrame(benchmark::State& state) {
     run();
     return Now() - began;
   };
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     std::vector<double> cast;
     std::vector<double> one_pass;
     std::vector<double> list;

@@ -28,7 +28,7 @@ enum class RayOrder { kRows, kTiles };  // along its rows; tiles of four rows by
 // them. Only hits are waited for, nothing is made of them.
 class EmbreeAlone {
  public:
-  // `kernels`: Embree's configuration; null: the processor's own kernels.
+  // `scene`: not empty. `kernels`: Embree's configuration; null: the processor's own kernels.
   EmbreeAlone(const Scene& scene, const sim::RayFan& fan, const Pose& pose, double max_range_m,
               const char* kernels = nullptr)
       : origin_(pose.position_m.cast<float>()), max_range_m_(static_cast<float>(max_range_m)) {
@@ -38,10 +38,10 @@ class EmbreeAlone {
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
                                         scene.vertices_m.size()),
-                scene.vertices_m.data(), 12 * scene.vertices_m.size());
+                scene.vertices_m.at(0).data(), 12 * scene.vertices_m.size());
     std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
                                         scene.triangles.size()),
-                scene.triangles.data(), 12 * scene.triangles.size());
+                scene.triangles.at(0).data(), 12 * scene.triangles.size());
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
@@ -109,7 +109,7 @@ class EmbreeAlone {
       for (int col = 0; col < fan.cols(); col += cols) {
         for (int r = row; r < std::min(row + rows, fan.rows()); ++r) {
           for (int c = col; c < std::min(col + cols, fan.cols()); ++c)
-            directions.push_back(rotation * fan.Direction(r, c));
+            directions.emplace_back(rotation * fan.Direction(r, c));
         }
       }
     }

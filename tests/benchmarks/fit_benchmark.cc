@@ -108,7 +108,7 @@ void FitBesideTracing(benchmark::State& state) {
   calib::FitConfig config;
   config.free = {"material.floor.*", "material.mockup.*"};
 
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     const double cast_cpu = CastSeconds(simulator, poses);
     const double start = Now();
     const double start_cpu = ProcessorSeconds();
@@ -168,7 +168,7 @@ void PaperFitBesideTracing(benchmark::State& state) {
   calib::FitConfig config;
   config.free = {"material.floor.*", "material.mockup.*"};
 
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     const double cast_cpu = CastSeconds(simulator, poses);
     const double start_cpu = ProcessorSeconds();
     for (const Pose& pose : poses) benchmark::DoNotOptimize(simulator.TraceEchoes(pose).range_m.data());
@@ -223,7 +223,7 @@ void PosesBesideTracing(benchmark::State& state) {
   calib::FitOptions options;
   options.starts = 1;
 
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     const double start = ProcessorSeconds();
     for (const Pose& pose : poses) benchmark::DoNotOptimize(simulator.TraceEchoes(pose).range_m.data());
     const double traced = ProcessorSeconds();
@@ -250,7 +250,7 @@ BENCHMARK(PosesBesideTracing)->Iterations(1)->Unit(benchmark::kSecond);
 void PaperGatherBesideTracing(benchmark::State& state) {
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const sim::Simulator simulator(sim::MakeMockupTank(), preset.sonar, Options(preset, kPaperRays));
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     double trace_s = 0.0;
     double gather_s = 0.0;
     for (const Pose& pose : Poses()) {

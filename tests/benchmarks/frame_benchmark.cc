@@ -29,7 +29,7 @@ void FrameBesideEmbree(benchmark::State& state, const Scene& scene, const Pose& 
   const double max_range_m = preset.sonar.axes.range_max_m;
   const EmbreeAlone same_kernels(scene, simulator.fan(), pose, max_range_m, kSimulatorKernels);
   const EmbreeAlone own_kernels(scene, simulator.fan(), pose, max_range_m);
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     FastestQuery in_rows(RayOrder::kRows);
     FastestQuery in_tiles(RayOrder::kTiles);
     FastestQuery own_in_rows(RayOrder::kRows);
@@ -114,7 +114,7 @@ void TwoThreads(benchmark::State& state) {
   const sim::Simulator one_row(scene, preset.sonar, Options(preset, row));
   const EmbreeAlone embree(scene, simulator.fan(), pose, preset.sonar.axes.range_max_m, kSimulatorKernels);
   const ParameterSet parameters = Parameters();
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     std::vector<double> frame[2];
     std::vector<double> alone[2];
     for (int round = 0; round < kRounds; ++round) {
@@ -171,7 +171,7 @@ void DefaultSampling(benchmark::State& state) {
   const sim::Simulator by_default(Tank(300'000), preset.sonar,
                                   Options(preset, sim::PaperFanOptions(preset.sonar)));
   const Pose pose = sim::MockupTankPoses(3).front();
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     std::vector<double> ratio;
     std::vector<double> seconds;
     for (int round = 0; round < 5; ++round) {
@@ -194,7 +194,7 @@ void Rays(benchmark::State& state) {
   rays.cols = static_cast<int>(state.range(0));
   rays.rows = static_cast<int>(state.range(0)) * 4 / 5;
   const sim::Simulator simulator(Tank(300'000), preset.sonar, Options(preset, rays));
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     const double seconds = FrameSeconds(simulator, sim::MockupTankPoses(3).front());
     state.counters["frame_ms"] = 1e3 * seconds;
     state.counters["ns_per_ray"] = 1e9 * seconds / simulator.fan().size();
@@ -206,7 +206,7 @@ void Triangles(benchmark::State& state) {
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
   const Scene scene = Tank(static_cast<int>(state.range(0)) / 2);
   const sim::Simulator simulator(scene, preset.sonar, Options(preset, kPaperRays));
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     state.counters["frame_ms"] = 1e3 * FrameSeconds(simulator, sim::MockupTankPoses(3).front());
     state.counters["triangles"] = static_cast<double>(scene.triangles.size());
   }

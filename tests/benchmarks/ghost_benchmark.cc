@@ -33,7 +33,7 @@ void TankGhosts(benchmark::State& state) {
     benchmark::DoNotOptimize(image.value.values().data());
     return Now() - began;
   };
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     seconds(simulator, without);
     seconds(mirrored, with);
     std::vector<double> direct;

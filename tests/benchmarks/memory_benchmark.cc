@@ -29,7 +29,7 @@ double StatusMiB(const std::string& name) {
 
 void Memory(benchmark::State& state) {
   const sim::SonarPreset& preset = sim::FindSonarPreset("p900-45");
-  for (auto unused : state) {
+  while (state.KeepRunning()) {
     Scene scene = Tank(static_cast<int>(state.range(0)) / 2);
     malloc_trim(0);                               // what making the scene took and gave back
     std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts from what is there now
