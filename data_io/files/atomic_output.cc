@@ -86,9 +86,7 @@ void OutputDirectory::Stage(Aside aside) {
 }
 
 void OutputDirectory::TakeOver(Aside aside) {
-  if (lock_.is_busy()) {
-    throw DataError("{}: cannot be the output directory: another run is writing it", final_.string());
-  }
+  RefuseIfBusy(lock_, final_);
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(staging_)) {
     if (aside == Aside::kFound && !entry.path().filename().string().starts_with('.')) {

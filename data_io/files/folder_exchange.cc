@@ -229,8 +229,14 @@ fs::path UnfinishedName(const fs::path& folder) {
   return fmt::format(".{}.unfinished", folder.filename().string());
 }
 
+void RefuseIfBusy(const FolderLock& lock, const fs::path& folder) {
+  if (lock.is_busy())
+    throw DataError("{}: cannot be the output directory: another run is writing it", folder.string());
+}
+
 void FinishExchange(const fs::path& folder) {
   const fs::path next = Beside(folder, kNext);
+  RefuseIfBusy(FolderLock::Try(next), folder);
   const fs::path old = Beside(folder, kReplaced);
   std::error_code error;
   if (fs::exists(fs::symlink_status(old, error))) {

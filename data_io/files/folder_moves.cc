@@ -11,6 +11,7 @@
 
 #include "core/types/error.h"
 #include "data_io/files/file_bytes.h"
+#include "data_io/files/folder_exchange.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -114,7 +115,9 @@ void MoveFiles(const fs::path& staged, const fs::path& folder, const Names& outd
 }
 
 void FinishMoves(const fs::path& folder) {
-  if (HasUnfinishedMoves(folder)) MoveRest(MovesOf(folder), folder);
+  if (!HasUnfinishedMoves(folder)) return;
+  RefuseIfBusy(FolderLock::Try(MovesOf(folder)), folder);
+  MoveRest(MovesOf(folder), folder);
 }
 
 bool HasUnfinishedMoves(const fs::path& folder) {

@@ -156,7 +156,7 @@ Grid<float> Decades(const Grid<float>& value, const ImageScale& scale, const Seg
   return CfarDecadesInPower(PowerOfGrey(value, scale.full_scale,
                                         options.background_law ? options.background_law->power_of_value
                                                                : LogDisplayPower(*span_db)),
-                            options);
+                            options, valid);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -446,6 +447,29 @@ TEST(FolderExchangeTest, ADiskWithoutLocksWorks) {
     EXPECT_EQ(Read(replacing.out()), replacing.after());
     EXPECT_THAT(Leftovers(replacing.out()), IsEmpty());
   }
+}
+
+// The wait for the lock of the parent ends after some seconds.
+TEST(FolderExchangeTest, WhatARunIsPuttingInPlaceIsSafeFromOtherRuns) {
+  const TempDir dir;
+  Write(dir / "out", kOld);
+  const std::vector<std::pair<fs::path, std::function<void()>>> cases = {
+      {dir / ".out.partial-exchange", [&] { FinishExchange(dir / "out"); }},
+      {dir / "out/.out.partial-moving", [&] { FinishMoves(dir / "out"); }}};
+  for (const auto& [staged, finish] : cases) {
+    SCOPED_TRACE(staged);
+    Write(staged, kNew);
+    {
+      const FolderLock lock = FolderLock::Try(staged);
+      EXPECT_THAT(MessageOf(finish),
+                  HasSubstr("out: cannot be the output directory: another run is writing it"));
+    }
+    EXPECT_EQ(Read(staged), kNew);
+    EXPECT_EQ(ReadFile(dir / "out/a.png"), "old");
+    finish();
+    EXPECT_FALSE(fs::exists(staged));
+  }
+  EXPECT_EQ(ReadFile(dir / "out/a.png"), "new") << "moved";
 }
 
 TEST(FolderExchangeTest, OfRunsAtOnceTheLastOneWins) {

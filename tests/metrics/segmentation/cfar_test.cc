@@ -266,6 +266,21 @@ TEST(CfarTest, InvalidCellsAreNoTrainingCells) {
     EXPECT_NEAR(rate(CfarDecadesInPower(power, Options(method), &valid)), 1e-2, 3e-3) << ToString(method);
     EXPECT_GT(rate(CfarDecadesInPower(power, Options(method))), 1.4e-2) << ToString(method);
   }
+  // The same by the call that commands make, at a rate of one in a thousand.
+  PolarImage image{testing::SmallAxes(200, 128), {}, Grid<float>(200, 128)};
+  image.scale.db_span = 80.0;
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    const double level_db = power.values()[i] > 0.0F ? 50.0 + 10.0 * std::log10(power.values()[i]) : 0.0;
+    image.value.values()[i] = static_cast<float>(level_db / 80.0 * image.scale.full_scale);
+  }
+  for (const SegmentationMethod method : kMethods) {
+    SegmentationOptions options = Options(method);
+    options.false_alarm_rate = 1e-3;
+    options.cfar_domain = CfarDomain::kPower;
+    options.close_rows = options.close_cols = 0;
+    const auto marked = static_cast<double>(CountSet(Segment(image, options, nullptr, &valid).object));
+    EXPECT_LT(marked / valid_count, 2e-3) << ToString(method);
+  }
   const Mask nowhere(200, 128);
   const Grid<float> none = CfarDecadesInPower(power, Options(SegmentationMethod::kOsCfar), &nowhere);
   for (const float decades : none.values()) ASSERT_EQ(decades, 0.0F);
