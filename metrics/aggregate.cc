@@ -108,13 +108,14 @@ void SetIntervals(const FrameViews& frames, bool in_time, ViewAggregate& view) {
         keep(micro[k], Finish(figures[k], Figures()[figures[k]].averaged(pooled)));
       }
     }
-    const auto set = [block = block](Statistic& statistic, const std::vector<double>& draws) {
-      statistic.block_frames = block;
-      if (statistic.value && statistic.frames_used >= kBootstrapMinFrames && !draws.empty()) {
-        statistic.ci = PercentileInterval95(draws);
-      }
-    };
     for (std::size_t k = 0; k < figures.size(); ++k) {
+      // If few frames define a figure, many draws have the same ones, of the pooled frames too.
+      const int defined = view.macro.statistics[figures[k]].frames_used;
+      const auto set = [&, block = block](Statistic& statistic, const std::vector<double>& draws) {
+        statistic.block_frames = block;
+        if (statistic.value && defined >= kBootstrapMinFrames && !draws.empty())
+          statistic.ci = PercentileInterval95(draws);
+      };
       set(view.macro.statistics[figures[k]], macro[k]);
       set(view.micro.statistics[figures[k]], micro[k]);
     }

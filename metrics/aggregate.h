@@ -26,7 +26,7 @@ namespace sonarcal::metrics {
 
 struct Statistic {
   std::optional<double> value;
-  // 95 % confidence interval, if at least kBootstrapMinFrames frames define the value
+  // 95 % confidence interval, if at least kBootstrapMinFrames frames define the figure
   std::optional<Interval> ci;
   int frames_used = 0;
   int frames_left_out = 0;  // frames in which it is undefined; always 0 for micro

@@ -45,13 +45,13 @@ std::filesystem::path UniquePath(const std::filesystem::path& place, const std::
 // Name of staged outputs for `folder` that a later run can find.
 std::filesystem::path UnfinishedName(const std::filesystem::path& folder);
 
-// Throws DataError if another run holds `lock`, that of its outputs for `folder`. It may put them in place for
-// longer than LockOfParent() waits.
+// Throws DataError if another run holds `lock`, that of its outputs for `folder`. It may put them in place
+// for longer than LockOfParent() waits.
 void RefuseIfBusy(const FolderLock& lock, const std::filesystem::path& folder);
 
 // Restores `folder` if a program was killed between two renames, and removes what remains of an exchange.
-// Throws DataError if an exchange is under way, if `folder` was made anew meanwhile, or if the disk refuses to
-// rename.
+// Throws DataError if an exchange is under way, if `folder` was made anew meanwhile, or if the disk refuses
+// to rename.
 void FinishExchange(const std::filesystem::path& folder);
 
 // Removes the folders at UniquePath() of killed programs, beside and in `folder`: those that nobody locks.

@@ -24,8 +24,8 @@ std::vector<std::filesystem::path> FilesToMove(const std::filesystem::path& stag
 void MoveFiles(const std::filesystem::path& staged, const std::filesystem::path& folder,
                const std::set<std::filesystem::path>& outdated);
 
-// Moves the rest of a run that was killed. Throws DataError if that run is under way, or if the disk refuses a
-// step.
+// Moves the rest of a run that was killed. Throws DataError if that run is under way, or if the disk refuses
+// a step.
 void FinishMoves(const std::filesystem::path& folder);
 
 // True if only some of the files of a run have been moved into `folder` so far.

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
@@ -514,16 +515,21 @@ class Unpickler {
     return Expect<std::int64_t>(index, "True or False") != 0;
   }
 
+  // The last value of a key counts. A key may be one long text, recalled ever again: it is looked at once.
   PickledDict Result() {
     PickledDict result;
-    for (const auto& [key, value] : Expect<Dict>(Pop(), "a dict of arrays").items) {
-      const Text* const name = As<Text>(key);
-      if (name == nullptr) continue;
+    const auto& items = Expect<Dict>(Pop(), "a dict of arrays").items;
+    std::unordered_set<Index> recalled;
+    std::unordered_set<std::string_view> names;
+    for (auto item = items.rbegin(); item != items.rend(); ++item) {
+      if (!recalled.insert(item->first).second) continue;
+      const Text* const name = As<Text>(item->first);
+      if (name == nullptr || !names.insert(name->utf8).second) continue;
       result.keys.push_back(name->utf8);
-      result.arrays.erase(name->utf8);  // the last value of a key counts
-      const NumpyArray* const array = As<NumpyArray>(value);
+      const NumpyArray* const array = As<NumpyArray>(item->second);
       if (array != nullptr && array->bytes != nullptr) result.arrays.emplace(name->utf8, *array);
     }
+    std::reverse(result.keys.begin(), result.keys.end());
     return result;
   }
 

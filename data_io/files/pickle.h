@@ -46,7 +46,7 @@ struct NumpyArray {
 
 struct PickledDict {
   std::map<std::string, NumpyArray> arrays;  // by key
-  std::vector<std::string> keys;             // all keys that are str, those of other values too
+  std::vector<std::string> keys;             // all keys that are str, those of other values too, each once
 };
 
 // Reads a pickled dict. `file` is the name used in error messages. Throws DataError, with the byte, for data

@@ -99,7 +99,19 @@ TEST(AggregateTest, IntervalsNeedThreeFramesThatDefineTheRatio) {
   EXPECT_EQ(three.no_interval_reason, "");
   EXPECT_TRUE(three.macro.polar.At("iou").ci);          // 0 in the third frame
   EXPECT_FALSE(three.macro.polar.At("ns_over_nr").ci);  // undefined in the third frame
-  EXPECT_TRUE(three.micro.polar.At("ns_over_nr").ci);
+  EXPECT_FALSE(three.micro.polar.At("ns_over_nr").ci);
+}
+
+// Draws that hold the one frame with an object all pool to the same figure.
+TEST(AggregateTest, AnObjectInOneOfManyFramesGivesNoInterval) {
+  std::vector<FrameMetrics> frames(19, FrameOf({}));
+  frames.push_back(FrameOf({.ns = 80, .nr = 100, .na = 60}));
+  const Aggregate aggregate = AggregateFrames(frames);
+  for (const char* figure : {"iou", "ns_over_nr"}) {
+    EXPECT_TRUE(aggregate.micro.polar.At(figure).value) << figure;
+    EXPECT_FALSE(aggregate.macro.polar.At(figure).ci) << figure;
+    EXPECT_FALSE(aggregate.micro.polar.At(figure).ci) << figure;
+  }
 }
 
 TEST(AggregateTest, IntervalsHoldTheirValueAndAreTheSameEveryTime) {

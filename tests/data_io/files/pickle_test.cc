@@ -209,6 +209,7 @@ TEST(Pickle, OtherValuesOfTheDictAreNamedAndLeftOut) {
   const std::string twice =
       "\x80\x04}(" + Str("a") + ArrayValue("K\x01K\x01\x86", DtypeValue("u1"), "\x05") + Str("a") + "Nu.";
   EXPECT_TRUE(ReadPickledArrays(twice, "twice.pkl").arrays.empty());
+  EXPECT_THAT(ReadPickledArrays(twice, "twice.pkl").keys, ElementsAre("a"));
 }
 
 TEST(Pickle, AnyOtherFunctionIsRefusedByName) {
@@ -311,6 +312,13 @@ TEST(Pickle, HugeAndDeepPicklesEndQuickly) {
       Str(std::string(250, 'x')) + "\x94" + Global("_codecs", "encode") + "\x94" + Str("latin1") + "\x94";
   for (int i = 0; i < 10'000; ++i) bomb += std::string("h\1h\0h\2\x86R0", 9);
   EXPECT_THAT(Refusal(bomb), HasSubstr("more encoded bytes than the file has"));
+  // A text of 100 kB as the key of each of 60,000 items: copies of it would take 6 GB.
+  constexpr int kKeyBytes = 100'000;
+  std::string keys = "\x80\x04}(X";
+  for (const int shift : {0, 8, 16, 24}) keys += static_cast<char>(kKeyBytes >> shift & 0xFF);
+  keys += std::string(kKeyBytes, 'k') + "\x94N";
+  for (int i = 0; i < 60'000; ++i) keys += std::string("h\0N", 3);
+  EXPECT_EQ(ReadPickledArrays(keys + "u.", "keys.pkl").keys.size(), 1U);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
 }
 
