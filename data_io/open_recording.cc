@@ -55,6 +55,15 @@ const Format* FormatOf(const fs::path& path) {
   return format == std::end(kFormats) ? nullptr : format;
 }
 
+// False, too, for a file that cannot be opened: beside a recording it is in nobody's way.
+bool IsRecording(const fs::path& entry) {
+  try {
+    return FormatOf(entry) != nullptr;
+  } catch (const DataError&) {
+    return false;
+  }
+}
+
 // Files and subfolders that are recordings, by name. Pictures count only as a video, because other folders
 // hold pictures too.
 std::vector<fs::path> RecordingsIn(const fs::path& folder) {
@@ -70,7 +79,7 @@ std::vector<fs::path> RecordingsIn(const fs::path& folder) {
   const bool has_pictures = IsPictures(folder);
   std::erase_if(entries, [&](const fs::path& entry) {
     const bool is_video = !has_pictures && fs::is_regular_file(entry, error) && IsPictures(entry);
-    return FormatOf(entry) == nullptr && !is_video;
+    return !IsRecording(entry) && !is_video;
   });
   return entries;
 }

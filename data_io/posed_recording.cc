@@ -10,6 +10,7 @@ namespace sonarcal::data_io {
 
 PosedRecording::PosedRecording(std::unique_ptr<RecordingSource> recording, PosesOverTime poses)
     : recording_(std::move(recording)), poses_(std::move(poses)), info_(recording_->info()) {
+  int still_count = 0;  // frames with a pose and without a motion
   double first_s = std::numeric_limits<double>::infinity();
   double last_s = -first_s;
   for (int index = 0; index < frame_count(); ++index) {
@@ -17,6 +18,7 @@ PosedRecording::PosedRecording(std::unique_ptr<RecordingSource> recording, Poses
     first_s = std::min(first_s, *frame.time_s);
     last_s = std::max(last_s, *frame.time_s);
     if (frame.world_from_sonar) ++posed_count_;
+    if (frame.world_from_sonar && !frame.motion) ++still_count;
   }
   if (posed_count_ == 0) {
     throw DataError(
@@ -29,6 +31,13 @@ PosedRecording::PosedRecording(std::unique_ptr<RecordingSource> recording, Poses
     info_.notes.push_back(fmt::format(
         "{} of {} frames lie outside the trajectory, or in a gap of more than {:g} s, and have no pose.",
         frame_count() - posed_count_, frame_count(), poses_.most_gap_s));
+  }
+  if (info_.sonar.pings.is_timed() && still_count > 0) {
+    info_.notes.push_back(
+        fmt::format("{} of {} frames have a pose, but no motion: at their pings the trajectory has a gap, or "
+                    "is faster than "
+                    "{:g} m/s or {:g} degrees/s.",
+                    still_count, frame_count(), kMaxSpeedMPerS, kMaxTurnRateDegPerS));
   }
 }
 
@@ -51,7 +60,9 @@ FrameInfo PosedRecording::WithPose(int index, FrameInfo info) const {
   const double last_s = pings.TimeOf(pings.count() - 1);
   const std::optional<Pose> first = pose_after(first_s);
   const std::optional<Pose> last = pose_after(last_s);
-  if (first && last) info.motion = MotionBetween(*first, *last, *info.world_from_sonar, last_s - first_s);
+  if (!first || !last) return info;
+  const Motion motion = MotionBetween(*first, *last, *info.world_from_sonar, last_s - first_s);
+  if (IsPlausible(motion)) info.motion = motion;
   return info;
 }
 

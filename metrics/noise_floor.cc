@@ -46,11 +46,14 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   of_real.valid = Both(options.valid, real.info().valid);
   FrameComparer comparer(std::move(of_real));
   FrameLevels levels;
+  bool lacks_box = false;        // some still pair has no box
   std::optional<Frame> earlier;  // frame i, if the previous pair has already read it
   for (int i = 0; i + 1 < real.frame_count() && static_cast<int>(result.pairs.size()) < max_pairs; ++i) {
     const Motion motion = Between(real.frame_info(i), real.frame_info(i + 1));
     const auto box = boxes.find(i);
-    if (motion == Motion::kMoved || (box == boxes.end() && !boxes.empty())) {
+    const bool has_no_box = box == boxes.end() && !boxes.empty();
+    if (motion == Motion::kMoved || has_no_box) {
+      lacks_box |= motion != Motion::kMoved;
       earlier.reset();
       continue;
     }
@@ -71,7 +74,8 @@ RealAgainstReal CompareRealWithReal(const RecordingSource& real, const CompareOp
   if (result.pairs.empty()) {
     result.absent_reason = real.frame_count() < 2
                                ? fmt::format("{} real frame, two are needed", real.frame_count())
-                               : "no two consecutive real frames share a pose";
+                           : lacks_box ? "no two consecutive real frames of one pose have a box"
+                                       : "no two consecutive real frames share a pose";
   }
   if (result.assumed_still) {
     result.notes.emplace_back(

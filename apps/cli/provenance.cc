@@ -12,6 +12,7 @@
 #include "apps/cli/options_file.h"
 #include "apps/cli/run_output.h"
 #include "core/types/error.h"
+#include "data_io/files/folder_exchange.h"
 #include "data_io/files/hash.h"
 #include "data_io/json/json_writer.h"
 
@@ -24,10 +25,8 @@ using Json = nlohmann::ordered_json;
 // True for what programs write into a folder while it is read: staged outputs (data_io/files/atomic_output.h)
 // and the folder of this run.
 bool IsOutput(const fs::directory_entry& entry) {
-  const std::string name = entry.path().filename().string();
-  const bool is_staged =
-      name.starts_with('.') && (name.find(".partial-") != std::string::npos || name.ends_with(".unfinished"));
-  return is_staged || (entry.is_directory() && IsBeingWritten(entry.path()));
+  return data_io::IsStagedName(entry.path().filename().string()) ||
+         (entry.is_directory() && IsBeingWritten(entry.path()));
 }
 
 Json InputToJson(const fs::path& input) {

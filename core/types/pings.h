@@ -15,6 +15,7 @@
 #include "core/types/image.h"
 #include "core/types/pose.h"
 #include "core/types/rotation.h"
+#include "core/types/units.h"
 
 namespace sonarcal {
 
@@ -45,6 +46,15 @@ struct Motion {
 
   bool operator==(const Motion&) const = default;
 };
+
+// A faster motion is a mistake in the poses or their times.
+inline constexpr double kMaxSpeedMPerS = 1000.0;
+inline constexpr double kMaxTurnRateDegPerS = 36000.0;
+
+inline bool IsPlausible(const Motion& motion) {
+  return motion.velocity_m_per_s.cwiseAbs().maxCoeff() <= kMaxSpeedMPerS &&
+         motion.turn_rate_rad_per_s.cwiseAbs().maxCoeff() <= RadFromDeg(kMaxTurnRateDegPerS);
+}
 
 // Constant motion that leads from one pose to another in `time_s`, in the axes of a third pose between them.
 inline Motion MotionBetween(const Pose& first, const Pose& last, const Pose& axes, double time_s) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/types/error.h"
+#include "data_io/files/hash.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -28,7 +29,7 @@ constexpr const char* kNext = "exchange";      // new folder before the exchange
 constexpr const char* kReplaced = "replaced";  // old folder, if there is no exchange in one step
 
 fs::path HiddenName(const fs::path& folder, const std::string& suffix) {
-  return fmt::format(".{}.partial-{}", folder.filename().string(), suffix);
+  return fmt::format(".{}.partial-{}", StagedStem(folder), suffix);
 }
 
 fs::path Beside(const fs::path& folder, const char* suffix) {
@@ -40,12 +41,6 @@ bool IsUniqueName(const std::string& name, const fs::path& folder) {
   const std::string start = HiddenName(folder, "").string();
   return name.starts_with(start) && name.size() > start.size() &&
          name.find_first_not_of("0123456789-", start.size()) == std::string::npos;
-}
-
-// True if the name may be that of staged outputs, for whatever folder.
-bool IsStagedName(const std::string& name) {
-  return name.starts_with('.') &&
-         (name.find(".partial-") != std::string::npos || name.ends_with(".unfinished"));
 }
 
 bool IsStaged(const fs::path& name, const fs::path& folder) {
@@ -213,6 +208,19 @@ FolderLock LockOfParent(const fs::path& folder) {
   return lock;
 }
 
+std::string StagedStem(const fs::path& folder) {
+  constexpr std::size_t kMaxBytes = 200;
+  std::string name = folder.filename().string();
+  if (name.size() <= kMaxBytes) return name;
+  const std::string hash = Sha256(name).substr(0, 16);
+  return name.substr(0, kMaxBytes - hash.size() - 1) + '~' + hash;
+}
+
+bool IsStagedName(std::string_view name) {
+  return name.starts_with('.') &&
+         (name.find(".partial-") != std::string_view::npos || name.ends_with(".unfinished"));
+}
+
 // mkdtemp is not used because its folders are readable only for their owner; outputs must follow the user's
 // umask.
 fs::path UniquePath(const fs::path& place, const fs::path& folder) {
@@ -226,7 +234,7 @@ fs::path UniquePath(const fs::path& place, const fs::path& folder) {
 }
 
 fs::path UnfinishedName(const fs::path& folder) {
-  return fmt::format(".{}.unfinished", folder.filename().string());
+  return fmt::format(".{}.unfinished", StagedStem(folder));
 }
 
 void RefuseIfBusy(const FolderLock& lock, const fs::path& folder) {

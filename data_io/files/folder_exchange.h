@@ -10,6 +10,8 @@
 
 #include <filesystem>
 #include <set>
+#include <string>
+#include <string_view>
 #include <system_error>
 
 namespace sonarcal::data_io {
@@ -38,6 +40,13 @@ class FolderLock {
 // Locks the parent of `folder`, so that no other run stages outputs for `folder` or exchanges it. Waits up to
 // 5 s: another program may lock the parent for purposes of its own.
 FolderLock LockOfParent(const std::filesystem::path& folder);
+
+// Name of `folder` in the names of its staged outputs. Of a long name only a part, with a hash of the whole,
+// because a file system allows 255 bytes.
+std::string StagedStem(const std::filesystem::path& folder);
+
+// True if the name of a file or folder may be that of staged outputs, for whatever folder.
+bool IsStagedName(std::string_view name);
 
 // Returns a hidden path in `place`, for outputs staged for `folder`, that no other process or thread uses.
 std::filesystem::path UniquePath(const std::filesystem::path& place, const std::filesystem::path& folder);

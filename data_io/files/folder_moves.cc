@@ -23,7 +23,7 @@ using Names = std::set<fs::path>;
 constexpr const char* kOutdated = ".outdated";  // names to remove, each with a 0 behind it
 
 fs::path MovesOf(const fs::path& folder) {
-  return folder / fmt::format(".{}.partial-moving", folder.filename().string());
+  return folder / fmt::format(".{}.partial-moving", StagedStem(folder));
 }
 
 int Turn(const fs::path& path) {

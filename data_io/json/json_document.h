@@ -18,7 +18,7 @@ namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{64} << 20;
 inline constexpr std::size_t kMaxJsonDepth = 64;
-inline constexpr std::size_t kMaxJsonValues = 2'000'000;
+inline constexpr std::size_t kMaxJsonValues = 4'000'000;
 
 struct JsonMember;
 

@@ -46,8 +46,6 @@ nlohmann::ordered_json PoseJson(const Pose& pose) {
 }
 
 Motion ReadMotion(const JsonReader& json) {
-  constexpr double kMaxSpeedMPerS = 1000.0;
-  constexpr double kMaxTurnRateDegPerS = 36000.0;
   Motion motion;
   if (const auto velocity = json.Find("velocity_m_per_s")) {
     const std::vector<double> v = ReadVector(*velocity, 3, kMaxSpeedMPerS);

@@ -143,7 +143,9 @@ RgbImage StretchPolar(const RgbImage& picture, int min_height_px) {
   if (picture.empty()) return {};
   const int row_repeat = std::max(1, (min_height_px + picture.rows() - 1) / picture.rows());
   const int height_px = picture.rows() * row_repeat;
-  const int col_repeat = std::max(1, static_cast<int>(std::lround(0.75 * height_px / picture.cols())));
+  constexpr double kMaxPixels = 1 << 24;
+  const double width_px = std::min(0.75 * height_px, kMaxPixels / height_px);
+  const int col_repeat = std::max(1, static_cast<int>(std::lround(width_px / picture.cols())));
   RgbImage stretched(height_px, picture.cols() * col_repeat);
   for (int row = 0; row < stretched.rows(); ++row) {
     for (int col = 0; col < stretched.cols(); ++col) {

@@ -57,7 +57,8 @@ RgbImage OverlayRegions(const Mask& real, const Mask& simulated, const Mask* ins
 RgbImage Diverging(const Grid<float>& value, double limit);
 
 // Repeats rows and columns an integer number of times, so a pixel stays a sharp block. The height becomes at
-// least `min_height_px`, the width about three quarters of the height. Never drops pixels.
+// least `min_height_px`, the width about three quarters of the height. The width is smaller if the picture
+// would have more than 2^24 pixels. Never drops pixels.
 RgbImage StretchPolar(const RgbImage& picture, int min_height_px = 480);
 
 // Reduces the picture to at most `max_width_px` columns by area averaging. Does not change a narrower one.

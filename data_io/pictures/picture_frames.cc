@@ -71,7 +71,12 @@ class PictureFiles final : public PictureFrames {
     const fs::path& file = files_.at(index);
     std::string bytes = ReadFileBytes(file, kMaxPictureBytes);
     if (IsJpeg(bytes)) return Floats(DecodeJpegGrey(bytes, file.string()));
-    return Floats(GreyOf(ImageFile(std::move(bytes), file.string()).DecodeRgb()));
+    const ImageFile picture(std::move(bytes), file.string());
+    const ImageHeader& header = picture.header();
+    if (header.channels != 1 || header.bits != 16) return Floats(GreyOf(picture.DecodeRgb()));
+    Grid<float> grey = picture.DecodeGrey();
+    for (float& value : grey.values()) value /= 257.0F;  // 65535 is 255
+    return grey;
   }
 
   RgbImage ReadColors(int index) const override {

@@ -24,8 +24,8 @@ class PictureFrames {
   virtual std::string name(int index) const = 0;
   virtual std::optional<double> time_s(int) const { return std::nullopt; }
 
-  // Grey values 0..255; the luminance of a colour picture. Throws DataError if a picture is damaged or larger
-  // than kMaxImagePixels.
+  // Grey values 0..255, with fractions if the picture has 16 bits; the luminance of a colour picture. Throws
+  // DataError if a picture is damaged or larger than kMaxImagePixels.
   virtual Grid<float> Read(int index) const = 0;
 
   // Colours of the same picture. Throws DataError like Read.

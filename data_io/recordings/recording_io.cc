@@ -126,6 +126,20 @@ void Widen(RecordingHeader& header, const OutputDirectory& output) {
   }
 }
 
+// Before hours of work: a recording.json that no command opens must not be written.
+void CheckThatItCanBeRead(RecordingHeader header, const RecordingSource& recording, const fs::path& folder) {
+  for (int index = 0; index < recording.frame_count(); ++index) {
+    header.frames.push_back(recording.frame_info(index));
+    header.frames.back().name = ImageName(index, header.bits);
+  }
+  try {
+    ParseRecordingHeader(JsonText(RecordingJson(header, folder)), folder);
+  } catch (const DataError& refusal) {
+    throw DataError("{}: cannot be written, because no command could read it: {}", header.info.source,
+                    refusal.what());
+  }
+}
+
 }  // namespace
 
 bool IsRecordingFolder(const fs::path& path) {
@@ -161,6 +175,7 @@ int WriteRecording(const RecordingSource& recording, const OutputDirectory& outp
   if (frame_count == 0) throw DataError("{}: no frames, expected at least one", recording.info().source);
   RecordingHeader header{recording.info(), ChooseBits(recording, options.bits), {}};
   header.info.sonar.axes.Validate(header.info.source);
+  CheckThatItCanBeRead(header, recording, output.final_path());
   bool stopped = false;
   for (int index = 0; index < frame_count; ++index) {
     if (const std::string file = ImageName(index, header.bits);

@@ -183,10 +183,14 @@ FrameInfo ReadFrameInfo(const JsonReader& json, const SonarSettings& of_recordin
 }
 
 void ReadScene(const JsonReader& json, const fs::path& folder, RecordingInfo& info) {
-  const fs::path scene = (folder / json.String()).lexically_normal();
-  info.scene_path = scene.string();
+  fs::path scene = folder / json.String();
   std::error_code error;
-  if (!fs::exists(scene, error)) {
+  const bool exists = fs::exists(scene, error);
+  // `..` after a link is the folder above its target.
+  const fs::path shorter = scene.lexically_normal();
+  if (!exists || fs::equivalent(scene, shorter, error)) scene = shorter;
+  info.scene_path = scene.string();
+  if (!exists) {
     AddNote(info, fmt::format("{} names the scene {}, which does not exist", kRecordingFile, scene.string()));
   }
 }
@@ -270,10 +274,7 @@ Json FrameJson(const FrameInfo& frame, const SonarSettings& of_recording) {
   return json;
 }
 
-}  // namespace
-
-RecordingHeader ReadRecordingHeader(const fs::path& folder) {
-  const JsonReader json = JsonReader::FromFile(folder / kRecordingFile);
+RecordingHeader ReadHeader(const JsonReader& json, const fs::path& folder) {
   json.CheckFormat(kRecordingFormat);
 
   RecordingHeader header;
@@ -292,6 +293,26 @@ RecordingHeader ReadRecordingHeader(const fs::path& folder) {
   if (header.frames.empty()) frames.Fail("is empty, expected at least one frame");
   NoteUnknownKeys(json, info);
   return header;
+}
+
+// `file` relative to `folder`, which may lie behind links. The file itself may be a link and stays one.
+fs::path PathFrom(const fs::path& folder, const fs::path& file) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(file);
+  const fs::path place = fs::weakly_canonical(whole.parent_path(), error);
+  const fs::path from = error ? fs::path() : fs::weakly_canonical(folder, error);
+  if (error) return whole.lexically_proximate(folder);
+  return (place / whole.filename()).lexically_proximate(from);
+}
+
+}  // namespace
+
+RecordingHeader ReadRecordingHeader(const fs::path& folder) {
+  return ReadHeader(JsonReader::FromFile(folder / kRecordingFile), folder);
+}
+
+RecordingHeader ParseRecordingHeader(std::string_view text, const fs::path& folder) {
+  return ReadHeader(JsonReader::FromText(text, (folder / kRecordingFile).string()), folder);
 }
 
 RecordingInfo ReadSonarFile(const fs::path& file) {
@@ -321,7 +342,7 @@ Json RecordingJson(const RecordingHeader& header, const fs::path& folder) {
   if (info.water) json["water"] = WaterJson(*info.water);
   json["image"] = ImageJson(header);
   if (info.source_level_db) json["source_level_db"] = *info.source_level_db;
-  if (info.scene_path) json["scene"] = fs::absolute(*info.scene_path).lexically_proximate(folder).string();
+  if (info.scene_path) json["scene"] = PathFrom(folder, *info.scene_path).string();
   if (info.synthetic) json["synthetic"] = true;
   for (const auto& [name, value] : info.details) json["details"].push_back(Json::array({name, value}));
   if (!info.format.empty() && info.format != kRecordingFormat) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -23,6 +24,9 @@ struct RecordingHeader {
 
 // `folder` contains recording.json.
 RecordingHeader ReadRecordingHeader(const std::filesystem::path& folder);
+
+// Reads a text that will be recording.json in `folder`.
+RecordingHeader ParseRecordingHeader(std::string_view text, const std::filesystem::path& folder);
 
 // `folder` will contain the file, absolute; the scene's path is made relative to it.
 nlohmann::ordered_json RecordingJson(const RecordingHeader& header, const std::filesystem::path& folder);

@@ -117,7 +117,8 @@ class DfkiUxoRecording final : public RecordingSource {
     return folder_ / "aris_raw" / fmt::format("{:04}.pgm", number);
   }
   fs::path Calibration() const {
-    return fs::absolute(folder_ / ".." / ".." / ".." / "calibration" / "transforms.yaml").lexically_normal();
+    std::error_code error;
+    return fs::weakly_canonical(folder_ / ".." / ".." / ".." / "calibration" / "transforms.yaml", error);
   }
 
   FrameInfo InfoOf(int index, const ArisHeader& header) const {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/types/image.h"
@@ -19,6 +20,7 @@ struct LabelledFrame {
   Grid<float> value;  // range_bins x beam_count
   double full_scale = 255.0;
   Mask object;  // same shape
+  std::optional<double> time_s = {};
 };
 
 inline constexpr int kPixelFeatures = 7;

@@ -64,6 +64,21 @@ Values Difference(const Values& a, const Values& b) {
   return difference;
 }
 
+// Consecutive frames that a draw keeps together. A frame without an object has no IoU if nothing is found.
+int BlockFrames(const std::vector<TestedFrame>& simulated, const std::vector<TestedFrame>& reference) {
+  std::array<std::vector<double>, 3> series;
+  for (std::size_t i = 0; i < simulated.size(); ++i) {
+    const std::optional<double> by_simulated = simulated[i].detection.iou();
+    const std::optional<double> by_reference = reference[i].detection.iou();
+    if (by_simulated) series[0].push_back(*by_simulated);
+    if (by_reference) series[1].push_back(*by_reference);
+    if (by_simulated && by_reference) series[2].push_back(*by_simulated - *by_reference);
+  }
+  int frames = 1;
+  for (const std::vector<double>& each : series) frames = std::max(frames, PolitisWhiteBlockLength(each));
+  return frames;
+}
+
 // Values over all frames, and over draws of frames.
 struct DrawnValues {
   Values all;
@@ -129,7 +144,9 @@ Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::
   DrawnValues of_simulated{ValuesOf(simulated, all), {}};
   DrawnValues of_reference{ValuesOf(reference, all), {}};
   DrawnValues of_difference{Difference(of_simulated.all, of_reference.all), {}};
-  FrameResampler resampler(count);
+  const bool in_time =
+      std::ranges::all_of(test, [](const LabelledFrame& frame) { return frame.time_s.has_value(); });
+  FrameResampler resampler(count, in_time ? BlockFrames(simulated, reference) : 1);
   for (int draw = 0; count >= kBootstrapMinFrames && draw < kBootstrapDraws; ++draw) {
     const std::span<const int> indices = resampler.Next();
     of_simulated.draws.push_back(ValuesOf(simulated, indices));

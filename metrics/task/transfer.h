@@ -8,8 +8,10 @@
 // frames.
 //
 // Figures pool the pixels of all test frames. Intervals: percentile bootstrap over test frames
-// (metrics/bootstrap.h). Both detectors have the same draws, so intervals of differences are those of pairs.
-// Intervals do not contain the variation of training.
+// (metrics/bootstrap.h). If every test frame has a time, blocks of consecutive frames are drawn. Their length
+// is the longest that the IoU of single frames needs: of each detector, and of their difference. Both
+// detectors have the same draws, so intervals of differences are those of pairs. Intervals do not contain the
+// variation of training.
 #pragma once
 
 #include <functional>

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -94,6 +96,28 @@ TEST(LocateRecording, AFolderThatHoldsOneRecordingStandsForIt) {
   // A folder with its own format is that recording, whatever else it holds.
   testing::WriteFile(dir / "recording.json", "{}");
   EXPECT_EQ(LocateRecording(dir.path()), dir.path());
+}
+
+// A user without the rights of root.
+TEST(LocateRecording, AFileThatCannotBeReadIsInNobodysWay) {
+  const testing::TempDir dir;
+  std::filesystem::permissions(dir.path(), std::filesystem::perms(0755));
+  WriteBrokenAris(dir / "dive.aris");
+  testing::WriteFile(dir / "notes.txt", "for nobody's eyes");
+  std::filesystem::permissions(dir / "notes.txt", std::filesystem::perms::none);
+  const pid_t child = fork();
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (geteuid() == 0 && setuid(kNobody) != 0) _exit(2);
+    try {
+      _exit(LocateRecording(dir.path()) == dir / "dive.aris" ? 0 : 1);
+    } catch (...) {
+      _exit(3);
+    }
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 TEST(LocateRecording, ASubfolderCountsAndSeveralAreListed) {

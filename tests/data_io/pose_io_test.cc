@@ -121,8 +121,28 @@ TEST(PosedRecordingTest, GivesTheMotionBetweenThePingsOfAFrame) {
   EXPECT_NEAR(posed_at(0.195)->velocity_m_per_s.y(), 2.5, 1e-9);
   EXPECT_NEAR(posed_at(0.3)->velocity_m_per_s.y(), 5.0, 1e-9);
   EXPECT_EQ(posed_at(0.395), std::nullopt) << "the last ping lies beyond the trajectory";
+  info.sonar.pings.period_s = 1e-9;
+  EXPECT_NEAR(posed_at(0.3)->velocity_m_per_s.y(), 5.0, 1e-4);
   info.sonar.pings = {};
   EXPECT_EQ(posed_at(0.3), std::nullopt);
+}
+
+// Two poses of almost the same time are a mistake of the trajectory. The frame keeps its pose.
+TEST(PosedRecordingTest, AMotionTooFastForAnySonarIsLeftOutWithANote) {
+  RecordingInfo info;
+  info.source = "rec";
+  info.sonar.pings = {.of_beam = {0, 1, 0, 1}, .period_s = 0.01};
+  const PosedRecording posed(
+      std::make_unique<MemoryRecording>(
+          info, std::vector<Frame>{{{"a", 0.1, std::nullopt}, {}}, {{"b", 0.195, std::nullopt}, {}}}),
+      {.world_from_body = {{0.0, Pose()},
+                           {0.2, Pose()},
+                           {0.2001, {Pose().rotation, {0, 20, 0}}},
+                           {0.4, {Pose().rotation, {0, 20, 0}}}}});
+  EXPECT_TRUE(posed.frame_info(0).motion);
+  EXPECT_TRUE(posed.frame_info(1).world_from_sonar);
+  EXPECT_FALSE(posed.frame_info(1).motion);
+  EXPECT_THAT(posed.info().notes, ::testing::Contains(HasSubstr("1 of 2 frames have a pose, but no motion")));
 }
 
 TEST(PosedRecordingTest, DropsTheMotionOfTheOldPoses) {

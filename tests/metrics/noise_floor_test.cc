@@ -88,6 +88,10 @@ TEST(RealAgainstRealTest, TheReasonIsGivenWhereThereIsNoPair) {
             "1 real frame, two are needed");
   EXPECT_EQ(CompareRealWithReal(MemoryRecording({}, {FrameAt(1, 0.0), FrameAt(2, 1.0)}), {}).absent_reason,
             "no two consecutive real frames share a pose");
+  EXPECT_EQ(
+      CompareRealWithReal(MemoryRecording({}, {FrameAt(1, 0.0), FrameAt(2, 0.0)}), {}, {{1, PixelBox{}}})
+          .absent_reason,
+      "no two consecutive real frames of one pose have a box");
 }
 
 TEST(RealAgainstRealTest, NoMorePairsThanAsked) {

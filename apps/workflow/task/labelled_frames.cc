@@ -10,9 +10,12 @@
 namespace sonarcal::workflow {
 namespace {
 
-metrics::LabelledFrame FrameOf(PolarImage image) {
-  metrics::LabelledFrame frame{
-      .value = std::move(image.value), .full_scale = image.scale.full_scale, .object = {}};
+metrics::LabelledFrame FrameOf(Frame read) {
+  PolarImage& image = read.image;
+  metrics::LabelledFrame frame{.value = std::move(image.value),
+                               .full_scale = image.scale.full_scale,
+                               .object = {},
+                               .time_s = read.info.time_s};
   frame.object = Mask(frame.value.rows(), frame.value.cols());
   return frame;
 }
@@ -27,7 +30,7 @@ std::vector<metrics::LabelledFrame> LabelledByMasks(const RecordingSource& recor
   }
   std::vector<metrics::LabelledFrame> frames;
   for (int i = 0; i < recording.frame_count(); ++i) {
-    metrics::LabelledFrame& frame = frames.emplace_back(FrameOf(recording.ReadFrame(i).image));
+    metrics::LabelledFrame& frame = frames.emplace_back(FrameOf(recording.ReadFrame(i)));
     const PolarImage mask = masks.ReadFrame(i).image;
     if (mask.value.rows() != frame.value.rows() || mask.value.cols() != frame.value.cols()) {
       throw DataError("{}: mask {} has {} x {} pixels, expected the frame's {} x {}", masks.info().source, i,
@@ -54,7 +57,7 @@ std::vector<metrics::LabelledFrame> LabelledByScene(const RecordingSource& recor
                       recording.info().source, i, material);
     }
     const CellGeometry cells = geometry.At(*read.info.world_from_sonar);
-    metrics::LabelledFrame& frame = frames.emplace_back(FrameOf(std::move(read.image)));
+    metrics::LabelledFrame& frame = frames.emplace_back(FrameOf(std::move(read)));
     if (cells.material.rows() != frame.value.rows() || cells.material.cols() != frame.value.cols()) {
       throw DataError("{}: frame {} has {} x {} pixels, expected the recording's {} x {}",
                       recording.info().source, i, frame.value.rows(), frame.value.cols(),

@@ -440,6 +440,22 @@ TEST(FolderExchangeTest, ALinkToAFolderStays) {
   EXPECT_EQ(EntryCount(dir / "disk"), 1);
 }
 
+// A file system allows 255 bytes.
+TEST(FolderExchangeTest, TheLongestNamesWork) {
+  const TempDir dir;
+  const fs::path out = dir / std::string(255, 'n');
+  Write(out, kOld + kForeign);
+  for (const Aside aside : {Aside::kThisRun, Aside::kAnew}) {
+    OutputDirectory output(out, aside);
+    Write(output.staging(), kNew);
+    output.Replace([] { return NamesOf(kOld); });
+    EXPECT_EQ(Read(out), kNew + kForeign);
+  }
+  WriteFileWhole(dir / (std::string(250, 'f') + ".json"), "{}");
+  EXPECT_EQ(EntryCount(dir.path()), 2);
+  EXPECT_NE(StagedStem(dir / (std::string(254, 'n') + "1")), StagedStem(dir / (std::string(254, 'n') + "2")));
+}
+
 TEST(FolderExchangeTest, ADiskWithoutLocksWorks) {
   for (const Aside aside : {Aside::kThisRun, Aside::kAnew}) {
     const Replacing replacing({.name = "", .foreign = kForeign, .aside = aside});

@@ -79,7 +79,7 @@ TEST(JsonDocumentTest, NestingDeeperThan64LevelsIsRefused) {
 TEST(JsonDocumentTest, TheNumberOfValuesIsLimited) {
   std::string many = "[0";
   for (std::size_t i = 0; i < kMaxJsonValues; ++i) many += ",0";
-  EXPECT_EQ(RefusalOfJson(many + "]"), "x.json:1: more than 2000000 values, expected fewer");
+  EXPECT_EQ(RefusalOfJson(many + "]"), "x.json:1: more than 4000000 values, expected fewer");
 }
 
 TEST(JsonDocumentTest, TextThatIsNotUtf8IsRefusedInPrintableWords) {

@@ -13,6 +13,7 @@
 #include "core/types/units.h"
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
+#include "data_io/pictures/picture_frames.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/temp_dir.h"
 
@@ -348,6 +349,17 @@ TEST(Pictures, HostileFilesAreRefused) {
   huge.replace(frame + 5, 4, "\xff\xdc\xff\xdc");
   testing::WriteFile(dir / "fan.jpg", huge);
   EXPECT_THAT(RefusalOf(dir / "fan.jpg"), HasSubstr("a JPEG of 65500 x 65500 pixels"));
+}
+
+// Levels of 12 bits in a picture of 16.
+TEST(PictureFramesTest, AGreyPictureOf16BitsKeepsItsLevels) {
+  const testing::TempDir dir;
+  Grid<std::uint16_t> levels(64, 64);
+  for (std::size_t i = 0; i < levels.size(); ++i) levels.values()[i] = static_cast<std::uint16_t>(i);
+  WritePng(dir / "frame.png", levels);
+  const Grid<float> grey = OpenPictures(dir / "frame.png")->Read(0);
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    ASSERT_FLOAT_EQ(grey.values()[i], static_cast<float>(i) / 65535.0F * 255.0F);
 }
 
 }  // namespace

@@ -153,5 +153,12 @@ TEST(StretchPolarTest, AShortImageGrowsAndAnEmptyOneStays) {
   EXPECT_TRUE(StretchPolar(RgbImage()).empty());
 }
 
+// Sixteen beams of a long window: three quarters of the height would be a picture of 600 MB.
+TEST(StretchPolarTest, ALongWindowOfFewBeamsStaysSmall) {
+  const RgbImage stretched = StretchPolar(RgbImage(16384, 16));
+  EXPECT_EQ(stretched.rows(), 16384);
+  EXPECT_EQ(stretched.cols(), 1024);
+}
+
 }  // namespace
 }  // namespace sonarcal::data_io

@@ -488,7 +488,32 @@ TEST(WriteRecordingTest, RecordingsThatCannotBeReadBackAreNotWritten) {
   frames[1].image.scale.db_span = 40.0;
   EXPECT_THAT(MessageOf([&] { WriteRecording(MemoryRecording(info, frames), dir / "x"); }),
               HasSubstr("memory: frame 1 differs from the first in the scale of its values"));
+  frames[1] = frames[0];
+  frames[1].info.world_from_sonar->position_m.x() = 2e9;
+  EXPECT_THAT(MessageOf([&] { WriteRecording(MemoryRecording(info, frames), dir / "x"); }),
+              HasSubstr("memory: cannot be written, because no command could read it: "));
   EXPECT_TRUE(fs::is_empty(dir.path()));
+}
+
+// `..` after a link is the folder above its target.
+TEST(WriteRecordingTest, ASceneIsFoundThroughLinksToTheRecording) {
+  const TempDir dir;
+  fs::create_directories(dir / "disk/set");
+  fs::create_directories(dir / "home");
+  WriteFile(dir / "disk/scene.gltf", "{}");
+  WriteFile(dir / "home/scene.gltf", "{}");
+  RecordingInfo info = SmallInfo();
+  info.scene_path = (dir / "disk/scene.gltf").string();
+  fs::create_directory_symlink(dir / "disk/set", dir / "home/set");
+  WriteRecording(SmallRecording(info, 1), dir / "disk/set/one");
+  WriteRecording(SmallRecording(info, 1), dir / "home/set/two");
+  for (const fs::path& folder : {dir / "disk/set", dir / "home/set"}) {
+    for (const char* name : {"one", "two"}) {
+      const auto recording = OpenRecordingFolder(folder / name);
+      EXPECT_TRUE(fs::equivalent(*recording->info().scene_path, dir / "disk/scene.gltf")) << folder << name;
+      EXPECT_THAT(recording->info().notes, IsEmpty());
+    }
+  }
 }
 
 TEST(WriteRecordingTest, UnknownValuesStayUnknown) {

@@ -252,6 +252,26 @@ TEST(TransferTest, TwoTestFramesGiveFiguresAndThreeGiveIntervals) {
                    three.simulated.recall.value.value() - three.reference.recall.value.value());
 }
 
+// Frames that are found well and as many that are not, in runs of two or of twelve. The figures of all frames
+// are the same. In longer runs fewer frames tell something new.
+TEST(TransferTest, RunsOfAlikeFramesGiveAWiderInterval) {
+  const std::vector<LabelledFrame> training = {BlockFrame(1), BlockFrame(2)};
+  const auto measured = [&](int run, bool has_times) {
+    std::vector<LabelledFrame> test;
+    for (int i = 0; i < 48; ++i) {
+      test.push_back(BlockFrame(i % 2 + 101, i / run % 2 == 0 ? 20.0 : 8.0));
+      if (has_times) test.back().time_s = 0.1 * i;
+    }
+    return MeasureTransfer(training, test).simulated.iou;
+  };
+  const auto width = [](const TransferFigure& figure) { return figure.ci.value().hi - figure.ci.value().lo; };
+  const TransferFigure mixed = measured(2, true);
+  const TransferFigure in_runs = measured(12, true);
+  EXPECT_NEAR(mixed.value.value(), in_runs.value.value(), 1e-12);
+  EXPECT_GT(width(in_runs), 1.5 * width(mixed));
+  EXPECT_NEAR(width(measured(12, false)), width(measured(2, false)), 1e-2) << "without times";
+}
+
 TEST(TransferTest, WrongLabelsTrainWorse) {
   std::vector<LabelledFrame> training, test;
   for (int i = 0; i < 4; ++i) {
