@@ -11,6 +11,7 @@
 #include "core/types/printable.h"
 #include "data_io/files/folder_moves.h"
 #include "data_io/pictures/picture_io.h"
+#include "data_io/recordings/levelled_recording.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/ros/bag_recording.h"
 #include "data_io/sonars/aris_io.h"
@@ -134,7 +135,7 @@ std::unique_ptr<RecordingSource> OpenRecording(const fs::path& path) {
   const Format* format = FormatOf(located);
   if (format == nullptr && kPictures.is(located)) format = &kPictures;
   if (format != nullptr) {
-    std::unique_ptr<RecordingSource> recording = format->open(located);
+    std::unique_ptr<RecordingSource> recording = WithLevels(format->open(located));
     if (located == path) return recording;
     return std::make_unique<FoundRecording>(std::move(recording), located);
   }

@@ -12,6 +12,7 @@
 
 #include "core/types/error.h"
 #include "data_io/images/image_io.h"
+#include "data_io/recordings/recording_io.h"
 #include "tests/data_io/hostile.h"
 #include "tests/support/recordings.h"
 #include "tests/support/temp_dir.h"
@@ -60,6 +61,34 @@ TEST(OpenRecording, AFolderIntoWhichARunHasMovedAPartIsRefused) {
                 ThrowsMessage<DataError>(HasSubstr("only a part of its files")))
         << name;
   }
+}
+
+// Fits take 1 for a grey level, so floats of 0..1 would be black or white.
+TEST(OpenRecording, GreyValuesWithoutLevelsAreReadAs16Bits) {
+  const testing::TempDir dir;
+  RecordingInfo info;
+  info.source = "memory";
+  info.sonar = {.name = "Small",
+                .frequency_hz = 900e3,
+                .axes = {0.5, 2.5, 2, {-0.1, 0.1}},
+                .azimuth_beam_width_deg = 1.0,
+                .elevation_beam_width_deg = 20.0,
+                .sound_speed_m_per_s = 1480.0};
+  info.scale.full_scale = 1.0;
+  Grid<float> value(2, 2);
+  value(0, 1) = 1.0F;
+  value(1, 0) = 0.3F;
+  WriteRecording(MemoryRecording(info, {{{"a", 0.0, {}}, {info.sonar.axes, info.scale, value}}}),
+                 dir / "out");
+  const auto recording = OpenRecording(dir / "out");
+  EXPECT_EQ(recording->info().scale.full_scale, 65535.0);
+  EXPECT_THAT(recording->info().notes,
+              ::testing::Contains(HasSubstr("without levels are read as 0 .. 65535")));
+  const Frame frame = recording->ReadFrame(0);
+  EXPECT_EQ(frame.image.scale, recording->info().scale);
+  EXPECT_EQ(frame.image.value(0, 0), 0.0F);
+  EXPECT_EQ(frame.image.value(0, 1), 65535.0F);
+  EXPECT_FLOAT_EQ(frame.image.value(1, 0), 0.3F * 65535.0F);
 }
 
 TEST(OpenRecording, OpensEveryRealRecording) {
