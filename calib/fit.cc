@@ -136,6 +136,11 @@ class Fitter {
     return index >= 0 && status_[index] == ParameterStatus::kFree;
   }
 
+  bool IsFixed(const std::string& name) const {
+    const int index = FindEntry(catalog_, name);
+    return index < 0 || status_[index] == ParameterStatus::kFixed;
+  }
+
   std::vector<bool> Free() const {
     std::vector<bool> free;
     for (const ParameterStatus status : status_) free.push_back(status == ParameterStatus::kFree);
@@ -425,7 +430,7 @@ class Fitter {
     const std::string other = acoustic ? "receiver.gain_db" : "display.db_min";
     std::vector<std::string> held;
     for (const std::string& name : {std::string("source_level_db"), other}) {
-      if (!IsFree(name)) held.emplace_back(name);
+      if (IsFixed(name)) held.emplace_back(name);
     }
     if (held.empty()) {
       report_.gauge.push_back(

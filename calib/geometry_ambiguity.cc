@@ -31,7 +31,7 @@ std::vector<std::string> GeometryAmbiguities(const FitReport& report, int distin
   if (distinct_poses == 1) {
     add("geometry.range_offset_m", "range offset", 3, [](double offset_m) {
       return fmt::format("a sonar {:.3f} m farther {} along its axis", std::abs(offset_m),
-                         offset_m < 0.0 ? "ahead" : "back");
+                         offset_m < 0.0 ? "back" : "ahead");
     });
   }
   return sentences;

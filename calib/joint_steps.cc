@@ -151,8 +151,7 @@ class Stepper {
   Eigen::VectorXd Scales() const {
     Eigen::VectorXd sigma(static_cast<Eigen::Index>(active_.size()));
     for (std::size_t k = 0; k < active_.size(); ++k) {
-      const CatalogEntry& of = catalog_[active_[k]];
-      sigma(static_cast<Eigen::Index>(k)) = of.prior ? of.prior->sigma : of.typical_step;
+      sigma(static_cast<Eigen::Index>(k)) = catalog_[active_[k]].StepSigma();
     }
     return sigma;
   }

@@ -167,8 +167,7 @@ double MoveByCheaperModel(const FrameModel& model, const FrameModel& cheaper,
                             .slope = right.gradient - cheap.gradient,
                             .weight = kDamping * right.information};
   for (Eigen::Index k = 0; k < n; ++k) {
-    const CatalogEntry& entry = catalog[state.active[k]];
-    const double step = entry.prior ? entry.prior->sigma : entry.typical_step;
+    const double step = catalog[state.active[k]].StepSigma();
     correction.weight(k, k) += kDamping / (step * step);
   }
   FitState moved = state;

@@ -8,6 +8,7 @@
 #include "apps/workflow/compare.h"
 #include "calib/selection/frame_choice.h"
 #include "calib/selection/frame_information.h"
+#include "core/math/pose_groups.h"
 #include "sim/rays/acoustic_fan.h"
 #include "sim/simulator.h"
 
@@ -28,7 +29,7 @@ struct Candidates {
 };
 
 Candidates CandidatesOf(const std::vector<Pose>& poses, const std::vector<char>& may_be_fitted) {
-  std::vector<std::vector<int>> groups = calib::GroupByPose(poses);
+  std::vector<std::vector<int>> groups = GroupByPose(poses);
   for (std::vector<int>& group : groups)
     std::erase_if(group, [&](int frame) { return may_be_fitted[frame] == 0; });
   std::erase_if(groups, [](const std::vector<int>& group) { return group.empty(); });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/workflow/rays/ray_options.h"
+#include "core/math/pose_groups.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/open_recording.h"
@@ -144,13 +145,9 @@ PolarImage ExpectedFrame(const sim::Simulator& simulator, const sim::EchoList& e
 }
 
 std::vector<int> SpeckleFrames(const std::vector<data_io::TimedPose>& poses) {
-  std::vector<int> first;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    std::size_t same = 0;
-    while (!IsSamePose(poses[same].world_from_sonar, poses[i].world_from_sonar)) ++same;
-    first.push_back(static_cast<int>(same));
-  }
-  return first;
+  std::vector<Pose> of;
+  for (const data_io::TimedPose& pose : poses) of.push_back(pose.world_from_sonar);
+  return FirstOfPose(of);
 }
 
 SimulatedRecording::SimulatedRecording(const sim::Simulator& simulator, std::vector<data_io::TimedPose> poses,

@@ -8,6 +8,7 @@
 
 #include "apps/workflow/compare.h"
 #include "calib/selection/frame_choice.h"
+#include "core/math/pose_groups.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/physics/receiver.h"
@@ -59,7 +60,7 @@ std::vector<std::vector<int>> FramesByPose(const RecordingSource& recording) {
   }
   std::vector<std::vector<int>> shown_again;
   if (without_pose.size() > 1) shown_again.push_back(std::move(without_pose));
-  for (std::vector<int>& group : calib::GroupByPose(poses)) {
+  for (std::vector<int>& group : GroupByPose(poses)) {
     if (group.size() < 2) continue;
     for (int& frame : group) frame = with_pose[frame];
     shown_again.push_back(std::move(group));

@@ -18,6 +18,7 @@
 #include "calib/parameters/placement_steps.h"
 #include "calib/parameters/pose_step.h"
 #include "core/imaging/saturation.h"
+#include "core/math/pose_groups.h"
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "sim/acoustic/acoustic_frame.h"
@@ -58,6 +59,12 @@ class EvaluationWithEchoes final : public FrameEvaluation {
   FrameEchoes echoes_;
   AcousticEvaluation evaluation_;
 };
+
+std::vector<int> FirstOfFrames(const std::vector<AcousticFrame>& frames) {
+  std::vector<Pose> poses;
+  for (const AcousticFrame& frame : frames) poses.push_back(frame.world_from_sonar);
+  return FirstOfPose(poses);
+}
 
 }  // namespace
 
@@ -101,6 +108,7 @@ AcousticFrameModel::AcousticFrameModel(const sim::Simulator& simulator,
       initial_(sim::WithResponse(simulator.sonar(), initial)),
       weights_(frames.size()),
       repeat_shares_(frames.size()),
+      first_of_pose_(FirstOfFrames(frames)),
       shown_(material_names_.size(), false),
       reflected_(material_names_.size(), false) {
   if (!initial_.receiver.noise_db) throw DataError("fit: the acoustic model needs receiver.noise_db");
@@ -158,6 +166,7 @@ AcousticFrameModel::AcousticFrameModel(const AcousticFrameModel& other, const si
       keeps_echoes_(keeps_echoes),
       weights_(other.weights_),
       repeat_shares_(other.repeat_shares_),
+      first_of_pose_(other.first_of_pose_),
       shown_(other.shown_),
       reflected_(other.reflected_) {
   Linearise(values, geometric);
@@ -184,10 +193,7 @@ FrameModel::SpeckleCell AcousticFrameModel::speckle_cell() const {
 }
 
 int AcousticFrameModel::first_of_pose(int frame) const {
-  for (int other = 0; other < frame; ++other) {
-    if (IsSamePose(frames_[other].world_from_sonar, frames_[frame].world_from_sonar)) return other;
-  }
-  return frame;
+  return first_of_pose_[frame];
 }
 
 ParameterSet AcousticFrameModel::Parameters(const ParameterValues& values) const {

@@ -245,6 +245,7 @@ class AcousticFrameModel final : public FrameModel {
   std::vector<FrameEchoes> echoes_;
   std::vector<std::vector<float>> weights_;
   std::vector<std::vector<float>> repeat_shares_;
+  std::vector<int> first_of_pose_;
   std::vector<bool> shown_;      // per material: any frame has an echo of it
   std::vector<bool> reflected_;  // per material: any frame has a ghost by way of it
 };

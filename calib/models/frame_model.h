@@ -66,8 +66,8 @@ class FrameModel {
   };
   virtual SpeckleCell speckle_cell() const { return {}; }
 
-  // Returns the first frame with the pose of `frame`, or `frame` itself if there is none. While nothing
-  // moves, speckle stays the same and further frames add little information.
+  // Returns the first frame of the group of `frame` (core/math/pose_groups.h), or `frame` itself. While
+  // nothing moves, speckle stays the same and further frames add little information.
   virtual int first_of_pose(int frame) const { return frame; }
 
   // Returns true if half the sum of squares is a negative log-likelihood including noise, so that priors can

@@ -46,7 +46,7 @@ class Builder {
         parameter.status = ParameterStatus::kUnidentifiable;
         undetermined_.push_back({name, unit, place});
       } else {
-        parameter.sigma = unit_a_step * std::sqrt(covariance_(place, place));
+        parameter.sigma = unit_a_step * std::sqrt(StatedVariance(place));
         if (!IsTaper(place)) determined_.push_back({name, unit, place});
       }
     }
@@ -82,6 +82,13 @@ class Builder {
 
   // Larger of the variances by sandwich and by curvature, because each misses some uncertainty.
   double Variance(int place) const { return std::max(covariance_(place, place), posterior_(place, place)); }
+
+  // The sandwich, which needs pings that differ. Of equal ones, as of a repeated still, the curvature.
+  double StatedVariance(int place) const {
+    constexpr double kLeastShare = 1e-3;  // a standard error of a thirtieth
+    const double curvature = posterior_(place, place);
+    return covariance_(place, place) > kLeastShare * curvature ? covariance_(place, place) : curvature;
+  }
 
   bool IsDetermined(int place, const std::string& unit) const {
     const double variance = Variance(place);

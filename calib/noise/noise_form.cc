@@ -45,7 +45,8 @@ double RoughNoisePower(const NoiseCounts& counts, const NoiseCells& cells,
     below += histogram[level];
     if (below >= 0.8 * all && below < all) {
       const double power = sim::PowerFromDisplay(display, (level + 0.5) / cells.full_scale);
-      return std::max(power, 1e-12) / -std::log1p(-below / all);
+      const double least = PowerFromDb(display.db_min - 40.0);
+      return std::max(power, least) / -std::log1p(-below / all);
     }
   }
   return sim::PowerFromDisplay(display, 0.5);
@@ -62,14 +63,14 @@ int Richness(const NoiseForm& form) {
 NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCells& cells, double net_db,
                  double absorption_db_per_m) {
   NoiseLaw law{.display = form.display, .receiver = {}, .speckle = form.speckle};
-  const double level_db = DbFromPower(RoughNoisePower(counts, cells, form.display));
-  if (form.fit_soft_db) {
-    // Starts below all recorded values, because nothing below the soft floor is ever shown.
-    const double span_db = form.display.db_max - form.display.db_min;
-    const double shown_db = (LeastLevelShown(counts) - 0.5) / cells.full_scale * span_db;
-    law.display.soft_db =
-        std::min(std::max(form.display.db_min - 1.5, level_db - 12.0), form.display.db_min + shown_db - 1.0);
-  }
+  const double span_db = form.display.db_max - form.display.db_min;
+  // Below all recorded values, because nothing below the soft floor is ever shown.
+  const double most_soft_db =
+      form.display.db_min + (LeastLevelShown(counts) - 0.5) / cells.full_scale * span_db - 1.0;
+  if (form.fit_soft_db) law.display.soft_db = std::min(form.display.db_min - 1.5, most_soft_db);
+  const double level_db = DbFromPower(RoughNoisePower(counts, cells, law.display));
+  if (form.fit_soft_db)
+    law.display.soft_db = std::min(std::max(form.display.db_min - 1.5, level_db - 12.0), most_soft_db);
   ReceiverParameters& receiver = law.receiver;
   const double free_looks = MinNoiseLooks(form.speckle) < 1.0 ? 0.8 : 1.3;
   receiver.looks = form.fit_span ? 1.0 : free_looks;

@@ -99,9 +99,14 @@ std::vector<std::size_t> BrightestPixels(const Stack& stack, const StillOptions&
   return brightest;
 }
 
+[[noreturn]] void ThrowClipped() {
+  throw DataError("still frames: every pixel is clipped at the top of the display");
+}
+
 // Finds the frames that differ from most others where those are brightest.
 std::vector<bool> FindMoved(const Stack& stack, const StillOptions& options) {
   const std::vector<std::size_t> brightest = BrightestPixels(stack, options);
+  if (brightest.empty()) ThrowClipped();
   const std::size_t count = stack.frames.size();
   std::vector<double> change(count, 0.0);
   std::vector<double> power(count);
@@ -294,7 +299,7 @@ void FillEchoes(const Stack& stack, const StillOptions& options, const Informati
     sum += power[pixel];
     by_block[BlockOf(pixel, stack.beams, options)] += power[pixel];
   }
-  if (levels.pixels == 0) throw DataError("still frames: every pixel is clipped at the top of the display");
+  if (levels.pixels == 0) ThrowClipped();
   levels.echo_db = DbFromPower(sum / static_cast<double>(levels.pixels));
   levels.echo_sigma_db =
       DbFromPower(1.0 + std::sqrt(VarianceOfSum(by_block, BlocksAcross(stack.beams, options))) / sum);

@@ -101,6 +101,9 @@ struct CatalogEntry {
     return prior ? (CoordinateFromValue(value) - prior->coordinate) / prior->sigma : 0.0;
   }
 
+  // Scale of its steps: the standard deviation of its prior, or a typical step if none pulls.
+  double StepSigma() const { return prior && std::isfinite(prior->sigma) ? prior->sigma : typical_step; }
+
   // d value / d coordinate.
   double ValueSlope(double value) const { return logarithmic ? value : 1.0; }
 };

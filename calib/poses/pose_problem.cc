@@ -125,8 +125,7 @@ QuadraticCost PoseProblem::OfFrames(const State& state, const Slopes& slopes) co
 Eigen::VectorXd PoseProblem::PriorSigmas() const {
   Eigen::VectorXd sigma(static_cast<Eigen::Index>(entries_.size()));
   for (std::size_t k = 0; k < entries_.size(); ++k) {
-    const auto& prior = catalog_[entries_[k]].prior;
-    sigma(static_cast<Eigen::Index>(k)) = prior ? prior->sigma : catalog_[entries_[k]].typical_step;
+    sigma(static_cast<Eigen::Index>(k)) = catalog_[entries_[k]].StepSigma();
   }
   return sigma;
 }

@@ -161,7 +161,10 @@ class Explainer {
     black.gain_db = given_.receiver.gain_db;
     black.looks = given_.receiver.looks;
     black.time_varied_gain = given_.receiver.time_varied_gain;
-    black.noise_after_gain_db = DbFromPower(sim::PowerFromDisplay(given_.display, 0.5 / full_scale));
+    // A soft law shows nothing below its floor, which may lie above half a level.
+    const double least = PowerFromDb(given_.display.db_min - 40.0);
+    black.noise_after_gain_db =
+        DbFromPower(std::max(least, sim::PowerFromDisplay(given_.display, 0.5 / full_scale)));
     black.noise_db = *black.noise_after_gain_db - 100.0;
     p.receiver = black;
     return p;

@@ -43,10 +43,6 @@ InformationChoice ChooseByInformation(const std::vector<int>& frames_of_pose,
 // Half of log det(1 + information), nats.
 double InformationNats(const Eigen::MatrixXd& information);
 
-// Frames with the same pose (IsSamePose as the first of the group), in the order of their first frame. The
-// time is linear in the number of frames.
-std::vector<std::vector<int>> GroupByPose(const std::vector<Pose>& poses);
-
 // Distance between poses, m: the way of the sonar, plus that of a point at `reach_m` as the sonar turns.
 double PoseDistanceM(const Pose& a, const Pose& b, double reach_m);
 

@@ -56,7 +56,7 @@ std::vector<int> ParametersOf(const std::vector<CatalogEntry>& catalog,
 
 double PriorSigma(const CatalogEntry& entry, const PosePrior& of_poses) {
   if (IsMount(entry)) return entry.index < 3 ? of_poses.position_m : of_poses.angle_deg;
-  return entry.prior && std::isfinite(entry.prior->sigma) ? entry.prior->sigma : entry.typical_step;
+  return entry.StepSigma();
 }
 
 // Information that a frame adds to `before` others from its pose: what n frames have together is

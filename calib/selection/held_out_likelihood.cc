@@ -8,6 +8,7 @@
 
 #include "calib/noise/noise_likelihood.h"
 #include "core/imaging/saturation.h"
+#include "core/math/pose_groups.h"
 #include "core/math/statistics.h"
 #include "core/types/error.h"
 
@@ -75,6 +76,9 @@ BlockedLikelihood InBlocks(const std::vector<GreyFrame>& frames, int block_bins,
                            const LogChanceOf& log_chance_of) {
   SONARCAL_CHECK(block_bins > 0 && block_beams > 0, "blocks of {} x {} pixels", block_bins, block_beams);
   BlockedLikelihood all;
+  std::vector<Pose> poses;
+  for (const auto& frame : frames) poses.push_back(frame.world_from_sonar);
+  const std::vector<int> first_of_pose = FirstOfPose(poses);
   std::vector<std::size_t> first_block(frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const int bins = frames[f].image.axes.range_bins;
@@ -82,8 +86,7 @@ BlockedLikelihood InBlocks(const std::vector<GreyFrame>& frames, int block_bins,
     const int down = (bins + block_bins - 1) / block_bins;
     const int across = (beams + block_beams - 1) / block_beams;
     // Frames of one pose share their speckle, and so their blocks.
-    std::size_t same = 0;
-    while (!IsSamePose(frames[same].world_from_sonar, frames[f].world_from_sonar)) ++same;
+    const auto same = static_cast<std::size_t>(first_of_pose[f]);
     first_block[f] = same < f ? first_block[same] : all.nats.size();
     if (same == f) {
       all.nats.resize(all.nats.size() + static_cast<std::size_t>(down) * across, 0.0);

@@ -43,11 +43,15 @@ std::vector<std::size_t> VerticesOfMaterial(Scene& scene, std::size_t material) 
 bool DivideOnce(Scene& scene, std::vector<char>& inside, float max_edge_m) {
   std::map<std::pair<int, int>, int> middles;  // by edge
   const auto middle_of = [&](int a, int b) {
-    if ((scene.vertices_m[a] - scene.vertices_m[b]).norm() <= max_edge_m) return -1;
+    const Eigen::Vector3f from = scene.vertices_m[a];
+    const Eigen::Vector3f to = scene.vertices_m[b];
+    if ((from - to).norm() <= max_edge_m) return -1;
+    const Eigen::Vector3f middle = 0.5F * (from + to);
+    // Far from the origin there may be no number between those of the ends.
+    if (middle == from || middle == to) return -1;
     const auto [found, added] = middles.try_emplace(std::minmax(a, b), 0);
     if (added) {
       found->second = static_cast<int>(scene.vertices_m.size());
-      const Eigen::Vector3f middle = 0.5F * (scene.vertices_m[a] + scene.vertices_m[b]);
       scene.vertices_m.push_back(middle);
       inside.push_back(1);
     }

@@ -46,7 +46,7 @@ class StandardTargetFitter {
     Tell("fits", 1, kFits);
     LeaveOutMisfits();
     if (state_.data.windows.empty()) ThrowNoTarget(recording_, fit_.left_out);
-    ChooseFree();
+    if (state_.solution.usable) ChooseFree();
     Solve();
     Tell("fits", 2, kFits);
     LeaveOutOddLevels();
@@ -84,6 +84,7 @@ class StandardTargetFitter {
 
   // Values of the frames as the peaks show them.
   void Start() {
+    constexpr double kLeastNoise = 1e-9;  // of the peak; a soft display shows none as 0
     double log_ranges = 0.0;
     for (const TargetSighting& peak : peaks_) log_ranges += std::log(axes_.range_centre_m(peak.bin));
     setting_.reference_range_m = std::exp(log_ranges / static_cast<double>(peaks_.size()));
@@ -91,9 +92,10 @@ class StandardTargetFitter {
     state_.data.sensitivity_db = initial_.beam.sensitivity_db;
     std::vector<double> levels_db;
     for (std::size_t i = 0; i < peaks_.size(); ++i) {
-      state_.solution.frames.push_back({.range_m = axes_.range_centre_m(peaks_[i].bin),
-                                        .azimuth_rad = axes_.beam_azimuth_rad[peaks_[i].beam],
-                                        .log_noise = std::log(peaks_[i].noise_power)});
+      state_.solution.frames.push_back(
+          {.range_m = axes_.range_centre_m(peaks_[i].bin),
+           .azimuth_rad = axes_.beam_azimuth_rad[peaks_[i].beam],
+           .log_noise = std::log(std::max(peaks_[i].noise_power, kLeastNoise * peaks_[i].peak_power))});
       const std::vector<double> unit =
           EchoPowerOf(state_.data.windows[i], setting_, state_.solution.echo, state_.solution.frames[i],
                       SensitivityOf(state_.data, {}, state_.data.windows[i]));
@@ -224,6 +226,11 @@ class StandardTargetFitter {
     constexpr double kShareMoved = 0.3;
     state_.free.elevation_width =
         *highest - *lowest > kShareMoved * std::exp(state_.solution.echo.log_elevation_width);
+    if (!state_.free.elevation_width && !(sim::ElevationWidthDeg(sonar_, initial_.beam) > 0.0)) {
+      state_.data.setting.with_elevation = false;
+      fit_.elevation_unknown =
+          "the elevation beam width is not stated, and the elevations differ too little to tell it";
+    }
   }
 
   void Solve() {

@@ -71,7 +71,7 @@ struct StandardTargetFit {
   std::vector<TargetFrame> frames;
   std::vector<FrameLeftOut> left_out;
   std::optional<TargetPosition> position = {};
-  std::string elevation_unknown = {};              // why, if there is no position
+  std::string elevation_unknown = {};              // why, if no level is corrected for it
   std::vector<int> beams_determined = {};          // beams with a sensitivity of their own
   std::optional<double> grey_levels_per_db = {};   // display law log
   std::optional<DisplaySlope> display_slope = {};  // of the display as given, if a second target tells it

@@ -69,12 +69,13 @@ void FillSentences(const FittedPointEcho& state, StandardTargetFit& fit) {
   FitReport& report = fit.report;
   report.gauge.emplace_back(
       "receiver.gain_db as given: a target shows source level and gain only as their sum");
-  if (!fit.position) {
+  if (!fit.elevation_unknown.empty()) {
     report.gauge.push_back(fmt::format(
         "the sphere is taken to be on the axis in elevation, because {}; if it was not, the level is "
         "too low by the elevation response there",
         fit.elevation_unknown));
-  } else if (fit.position->mirror_m) {
+  }
+  if (fit.position && fit.position->mirror_m) {
     const Eigen::Vector3d& at_m = fit.position->position_m;
     const Eigen::Vector3d& mirror_m = *fit.position->mirror_m;
     report.gauge.push_back(fmt::format(

@@ -42,7 +42,8 @@ class LevelledRecording final : public RecordingSource {
 
 std::unique_ptr<RecordingSource> WithLevels(std::unique_ptr<RecordingSource> recording) {
   const ImageScale& scale = recording->info().scale;
-  if (scale.quantity != Quantity::kGrey || MinBits(scale) < 32 || scale.full_scale > kFullScale) return recording;
+  if (scale.quantity != Quantity::kGrey || MinBits(scale) < 32 || scale.full_scale > kFullScale)
+    return recording;
   return std::make_unique<LevelledRecording>(std::move(recording));
 }
 

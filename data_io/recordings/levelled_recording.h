@@ -1,5 +1,5 @@
-// Recording whose grey values have no levels, such as floats of 0..1. Fits and simulations take 1 for a level,
-// so the values are read as 0..65535. They keep their fractions.
+// Recording whose grey values have no levels, such as floats of 0..1. Fits and simulations take 1 for a
+// level, so the values are read as 0..65535. They keep their fractions.
 #pragma once
 
 #include <memory>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
@@ -58,6 +59,16 @@ AzimuthShape<double> AzimuthShapeOf(const SonarModel& sonar, const ParameterSet&
     shape.beam_azimuth_rad = &sonar.axes.beam_azimuth_rad;
     shape.beam_spacing_rad = sonar.axes.beam_spacing_rad();
     return shape;
+  }
+  if (beam.azimuth_pattern == AzimuthPattern::kAperture) {
+    for (const double azimuth_rad : sonar.axes.beam_azimuth_rad) {
+      if (!(std::abs(azimuth_rad) < 0.5 * std::numbers::pi)) {
+        throw DataError(
+            "a beam at {:.1f} degrees, expected less than 90 degrees from the axis with beam.azimuth_pattern "
+            "aperture, because a line array hears both sides alike; gaussian or table has no such limit",
+            DegFromRad(azimuth_rad));
+      }
+    }
   }
   if (!(beam.azimuth_taper >= 0.0 && beam.azimuth_taper <= 1.0)) {
     throw DataError("beam.azimuth_taper is {}, expected 0 .. 1", beam.azimuth_taper);

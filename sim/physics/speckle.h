@@ -161,6 +161,7 @@ class MeanDisplayTable {
       const double dark_power = std::max(PowerFromDisplay(display, dark), kSilencePower);
       low_db_ = std::min(display.db_min - 40.0, DbFromPower(dark_power) - 20.0);
     }
+    low_db_ = std::max(low_db_, DbFromPower(kSilencePower));  // lower levels are not looked up
     const int count = static_cast<int>(std::ceil((display.db_max + 50.0 - low_db_) / kStepDb)) + 1;
     const MeanRule rule(display, MeanRule::StepsFor(display, looks));
     for (int i = 0; i < count; ++i) mean_.push_back(rule(looks, PowerFromDb(low_db_ + i * kStepDb), law));

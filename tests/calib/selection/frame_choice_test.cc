@@ -11,6 +11,7 @@
 #include <set>
 
 #include "calib/selection/frame_information.h"
+#include "core/math/pose_groups.h"
 #include "core/types/units.h"
 #include "tests/calib/small_tank.h"
 
