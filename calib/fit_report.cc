@@ -139,7 +139,7 @@ std::string FitReportJson(const FitReport& report, const std::string& extra_memb
     SONARCAL_CHECK(!extra.is_discarded(), "extra members of fit.json are not JSON: {}", extra_members);
     json.update(extra);
   }
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace sonarcal::calib

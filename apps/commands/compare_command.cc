@@ -34,6 +34,7 @@
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
 #include "metrics/figures.h"
 #include "metrics/json/threshold_check.h"
@@ -145,7 +146,7 @@ report::HtmlReport MakeReport(const metrics::MetricsReport& metrics, const repor
 std::string ComparedText(const CompareCommandOptions& options) {
   Json json = ConfigurationJson(options, {});
   for (const char* of_part : {"simulated", "out", "pictures", "against", "params"}) json.erase(of_part);
-  return json.dump();
+  return data_io::JsonLine(json);
 }
 
 // The pair of recordings, and what parts measured of it.

@@ -213,7 +213,7 @@ cli::ExitStatus RunExplain(const ExplainCommandOptions& options) {
                                    .configuration = ConfigurationJson(options, subject, explained),
                                    .inputs = subject.inputs};
   const Json json = report::ExplanationJson(explained, subject.presentation);
-  data_io::WriteFileWhole(output / "explain.json", json.dump(2) + "\n");
+  data_io::WriteJson(output / "explain.json", json);
   WriteMaps(explained, output);
   data_io::WriteParameters(output / "params.json", explained.explanation.steps.back().parameters);
   cli::WriteProvenance(output.staging(), provenance);

@@ -16,6 +16,7 @@
 #include "apps/workflow/noise/judge_noise.h"
 #include "apps/workflow/simulate.h"
 #include "core/sonars/sonar_geometry.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/pose_io.h"
 
 namespace sonarcal::python {
@@ -59,7 +60,7 @@ py::tuple Calibrate(const RecordingSource& recording, const Scene& scene,
   sonar.sonar.axes = Corrected(sonar.sonar.axes, calibration.fit.geometry);
   py::object moved = py::none();
   if (calibration.fit.scene) moved = py::cast(std::move(*calibration.fit.scene));
-  const std::string decisions = workflow::CalibrationPlanJson(calibration.plan).dump();
+  const std::string decisions = data_io::JsonLine(workflow::CalibrationPlanJson(calibration.plan));
   return py::make_tuple(FitTuple(calibration.fit, poses), FitTuple(calibration.evaluation, poses),
                         ObjectFromJson(decisions), std::move(sonar), std::move(moved),
                         std::move(calibration.open));
@@ -79,7 +80,7 @@ py::object JudgeNoise(const RecordingSource& recording, const ParameterSet& para
     });
     nlohmann::ordered_json json = report::NoiseJudgementFileJson(judged.judgement);
     if (options.false_alarms) json["false_alarms"] = report::FalseAlarmsJson(judged.false_alarms);
-    judgement = json.dump();
+    judgement = data_io::JsonLine(json);
   }
   return ObjectFromJson(judgement);
 }

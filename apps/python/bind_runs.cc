@@ -22,6 +22,7 @@
 #include "apps/workflow/simulate.h"
 #include "apps/workflow/task/recording_transfer.h"
 #include "core/types/frame_list.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/pose_io.h"
 #include "metrics/json/metrics_json.h"
 #include "metrics/segmentation/segmentation.h"
@@ -129,7 +130,7 @@ py::tuple Explain(const RecordingSource& recording, const Scene& scene, const Pa
     explained = listener.Run([&](const workflow::Listener& task) {
       return workflow::Explain(recording, scene, start, options, task);
     });
-    report = report::ExplanationJson(explained, {.synthetic = recording.info().synthetic}).dump();
+    report = data_io::JsonLine(report::ExplanationJson(explained, {.synthetic = recording.info().synthetic}));
   }
   return py::make_tuple(ObjectFromJson(report),
                         DictFromParameters(explained.explanation.steps.back().parameters),
@@ -156,7 +157,7 @@ py::object Transfer(const std::vector<Recording>& training, const std::vector<Re
                                  .test_masks = Pointers(test_masks)},
                                 options, task);
     });
-    figures = report::TransferJson(result).dump();
+    figures = data_io::JsonLine(report::TransferJson(result));
   }
   return ObjectFromJson(figures);
 }

@@ -16,6 +16,7 @@
 #include "apps/reproduce/summary_rows.h"
 #include "apps/reproduce/target_report.h"
 #include "core/types/units.h"
+#include "data_io/json/json_writer.h"
 #include "sim/paper/paper_values.h"
 
 namespace sonarcal::reproduce {
@@ -335,7 +336,7 @@ std::string ReproductionMetricsJson(const Reproduction& reproduction) {
            {"simulation_time_s", paper.simulation_time_s}}}});
   }
   for (const TargetResult& target : reproduction.targets) json[target.name] = TargetJson(target);
-  return json.dump(2) + "\n";
+  return data_io::JsonText(json);
 }
 
 }  // namespace sonarcal::reproduce

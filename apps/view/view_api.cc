@@ -19,6 +19,7 @@
 #include "data_io/files/atomic_output.h"
 #include "data_io/json/json_fields.h"
 #include "data_io/json/json_reader.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/json/parameter_json.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/pictures/picture.h"
@@ -39,7 +40,7 @@ class BadRequest : public std::runtime_error {
 };
 
 std::string Text(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return data_io::JsonLine(json);
 }
 
 ViewAnswer JsonAnswer(const Json& json) {

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/parameters/parameters_io.h"
 
 namespace sonarcal::view {
@@ -157,7 +158,7 @@ void ViewFit::Run(ViewFitRequest request) {
     }
     {
       const std::scoped_lock lock(mutex_);
-      result_ = ResultJson(fit).dump();
+      result_ = data_io::JsonLine(ResultJson(fit));
     }
     End(Phase::kDone, {});
   } catch (const calib::FitStopped&) {

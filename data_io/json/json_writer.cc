@@ -13,10 +13,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kLineWidth = 110;
 
-std::string Scalar(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 // Visits every element of an array or object, with `separate` before each. Writes keys first, if there are
 // any.
 template <typename Separate, typename Write>
@@ -25,12 +21,12 @@ void ForEachElement(const Json& json, Separate separate, Write write) {
   for (const auto& [key, value] : json.items()) {
     separate(first);
     first = false;
-    write(json.is_object() ? Scalar(Json(key)) + ": " : std::string(), value);
+    write(json.is_object() ? JsonLine(Json(key)) + ": " : std::string(), value);
   }
 }
 
 std::string InOneLine(const Json& json) {
-  if (!json.is_structured()) return Scalar(json);
+  if (!json.is_structured()) return JsonLine(json);
   std::string text(1, json.is_object() ? '{' : '[');
   ForEachElement(
       json, [&](bool first) { text += first ? "" : ", "; },
@@ -70,6 +66,10 @@ void Append(const Json& json, int indent, std::size_t column, std::string& text)
 }
 
 }  // namespace
+
+std::string JsonLine(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 std::string JsonText(const Json& json) {
   std::string text;

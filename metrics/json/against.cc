@@ -1,5 +1,8 @@
 #include "metrics/json/against.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -127,11 +130,13 @@ void SetPairedVerdict(const Figure& figure, const PairedSeries& series, bool in_
   }
   if (draws.empty()) return;
   change.worsening_ci = PercentileInterval95(std::move(draws));
+  change.is_judged = true;
   change.verdict = VerdictOf(*change.worsening_ci, std::abs(change.earlier));
 }
 
 void SetVerdictByIntervals(const std::optional<Interval>& now, const std::optional<Interval>& earlier,
                            FigureChange& change) {
+  change.is_judged = change.now == change.earlier || (now && earlier);
   if (change.now == change.earlier) {
     change.verdict = ChangeVerdict::kSame;
   } else if (now && earlier && (now->lo > earlier->hi || now->hi < earlier->lo)) {
@@ -202,10 +207,16 @@ Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text
       const Figure& figure = Figures()[f];
       const std::optional<double> then = NumberAt(view_then, figure.path);
       const Statistic& statistic = view.statistics[f];
-      if (figure.better == Better::kNeither || !then || !statistic.value) continue;
+      if (figure.better == Better::kNeither || !then) continue;
+      const bool is_headline = figure.path == "iou" || figure.path == error_path;
+      const std::string name = fmt::format("{}, {}", figure.path, fan ? "fan" : "polar");
+      if (!statistic.value) {
+        if (is_headline) against.unknown.push_back(name + " (without value now)");
+        continue;
+      }
       FigureChange change{.fan = fan,
                           .path = figure.path,
-                          .headline = figure.path == "iou" || figure.path == error_path,
+                          .headline = is_headline,
                           .earlier = *then,
                           .now = *statistic.value};
       const double badness_then = *figure.Badness(*then);
@@ -217,6 +228,7 @@ Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text
       } else {
         SetVerdictByIntervals(statistic.ci, IntervalAt(view_then, figure.path), change);
       }
+      if (is_headline && !change.is_judged) against.unknown.push_back(name + " (too few frames)");
       if (floor != nullptr) {
         const ViewSummary& floor_view = fan ? floor->macro.fan : floor->macro.polar;
         if (const std::optional<double>& best = floor_view.statistics[f].value) {
@@ -225,6 +237,10 @@ Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text
       }
       against.figures.push_back(std::move(change));
     }
+  }
+  if (!against.unknown.empty()) {
+    against.notes.push_back(
+        fmt::format("nothing tells whether {} got worse", fmt::join(against.unknown, " and ")));
   }
   return against;
 }

@@ -44,6 +44,7 @@ struct FigureChange {
   double worsening = 0.0;
   std::optional<Interval> worsening_ci = {};  // if paired
   ChangeVerdict verdict = ChangeVerdict::kNotTold;
+  bool is_judged = false;  // false: too few frames define the figure for an interval, so nothing is known
   // (earlier - now) / (earlier - floor) of the badness: 1 if the change reached the noise floor. None if no
   // floor is known or the earlier figure was not worse than it.
   std::optional<double> explained = {};
@@ -53,6 +54,9 @@ struct Against {
   std::string earlier;    // name of its file
   int common_frames = 0;  // number of paired frames; 0: intervals are compared
   std::vector<FigureChange> figures;
+  // Headline figures of which nothing is known: those that are not judged, and those with a value in the earlier
+  // run only.
+  std::vector<std::string> unknown = {};
   std::vector<std::string> notes;  // differences that make the two runs hard to compare, one sentence each
 
   int Count(ChangeVerdict verdict, bool headline_only) const;

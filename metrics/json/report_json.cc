@@ -98,6 +98,8 @@ Json ResidualsJson(const ResidualCollector& residuals, const std::vector<Residua
 
 Json AgainstJson(const Against& against) {
   Json json = Counts(against, true);
+  // A check by --fail-above must not pass because nothing is known.
+  if (!against.unknown.empty()) json["better"] = json["worse"] = nullptr;
   json["earlier"] = against.earlier;
   json["common_frames"] = against.common_frames;
   json["method"] = against.common_frames > 0

@@ -76,7 +76,7 @@ Json ConfigurationJson(const CalibrateCommandOptions& options) {
 // Configuration that a run has in common with the one that it resumes: all but the number of threads.
 std::string StartedText(Json configuration) {
   configuration.erase("threads");
-  return configuration.dump(2);
+  return data_io::JsonText(configuration);
 }
 
 // Plan to start from: of --plan, or of the run that is resumed.

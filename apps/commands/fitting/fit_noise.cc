@@ -22,6 +22,7 @@
 #include "calib/noise/noise_fit.h"
 #include "core/types/error.h"
 #include "data_io/files/atomic_output.h"
+#include "data_io/json/json_writer.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
 
@@ -149,7 +150,7 @@ std::string FitJson(const calib::NoiseFit& fit, const FitCommandOptions& options
                         {"all_frames", report::NoiseAgreementJson(fit.all.agreement)},
                         {"share_of_cells_left_out", ShareLeftOut(fit)}}},
                       {"drift", report::NoiseDriftJson(fit.all)}};
-  const std::string members = extra.dump();
+  const std::string members = data_io::JsonLine(extra);
   return calib::FitReportJson(fit.report, members.substr(1, members.size() - 2));
 }
 

@@ -2,11 +2,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "data_io/json/json_writer.h"
+
 namespace sonarcal::report {
 
 void EndReport(HtmlReport& report, const nlohmann::ordered_json& provenance) {
   report.Section("How this was made");
-  report.Details("Provenance: version, configuration, hashes of the inputs", provenance.dump(2));
+  report.Details("Provenance: version, configuration, hashes of the inputs", data_io::JsonText(provenance));
   report.SetFooter("sonarcal " SONARCAL_VERSION);
 }
 

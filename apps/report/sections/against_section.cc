@@ -13,8 +13,8 @@ namespace {
 
 constexpr const char* kNotExplained = "–";
 
-const char* VerdictText(metrics::ChangeVerdict verdict) {
-  switch (verdict) {
+const char* VerdictText(const metrics::FigureChange& change) {
+  switch (change.verdict) {
     case metrics::ChangeVerdict::kBetter:
       return "better";
     case metrics::ChangeVerdict::kWorse:
@@ -24,7 +24,7 @@ const char* VerdictText(metrics::ChangeVerdict verdict) {
     case metrics::ChangeVerdict::kNotTold:
       break;
   }
-  return "within the noise";
+  return change.is_judged ? "within the noise" : "cannot be told";
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ void AddAgainst(HtmlReport& report, const metrics::Against& against) {
     if (!change.headline && !told) continue;
     table.rows.push_back(
         {{metrics::Figures()[metrics::FigureIndex(change.path)].label, change.fan ? "fan" : "polar",
-          FigureText(change.earlier), FigureText(change.now), VerdictText(change.verdict),
+          FigureText(change.earlier), FigureText(change.now), VerdictText(change),
           change.explained ? fmt::format("{:.0f}", 100.0 * *change.explained) : kNotExplained},
          change.headline ? RowStyle::kStrong : RowStyle::kPlain});
   }

@@ -27,7 +27,7 @@ std::string VerdictText(const metrics::FigureChange& change) {
     case metrics::ChangeVerdict::kNotTold:
       break;
   }
-  return "no change larger than the noise";
+  return change.is_judged ? "no change larger than the noise" : "cannot be told, too few frames";
 }
 
 }  // namespace

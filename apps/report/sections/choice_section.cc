@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/report/sections/fit_section.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal::report {
 namespace {
@@ -128,12 +129,12 @@ std::string ModelChoiceJson(const calib::ModelChoice& choice) {
     }
     axes.push_back({{"axis", ToString(axis.axis)}, {"variants", variants}, {"notes", axis.notes}});
   }
-  return Json{{"frames", choice.frames_chosen_on},
-              {"pixels", choice.pixels},
-              {"blocks", choice.blocks},
-              {"tie_sigmas", choice.tie_sigmas},
-              {"axes", axes}}
-      .dump();
+  const Json json = {{"frames", choice.frames_chosen_on},
+                     {"pixels", choice.pixels},
+                     {"blocks", choice.blocks},
+                     {"tie_sigmas", choice.tie_sigmas},
+                     {"axes", axes}};
+  return data_io::JsonLine(json);
 }
 
 }  // namespace sonarcal::report

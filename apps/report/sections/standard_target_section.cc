@@ -11,6 +11,7 @@
 #include "apps/report/pictures/sonar_picture.h"
 #include "apps/report/sections/fit_section.h"
 #include "core/types/units.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal::report {
 namespace {
@@ -285,7 +286,7 @@ std::string StandardTargetMember(const calib::StandardTargetFit& fit) {
                        {"target_in_world", position},
                        {"frames", frames},
                        {"frames_left_out", left_out}};
-  return fmt::format(R"("standard_target": {})", member.dump());
+  return fmt::format(R"("standard_target": {})", data_io::JsonLine(member));
 }
 
 void AddStandardTarget(HtmlReport& report, const calib::StandardTargetFit& fit, const PolarAxes& axes,

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/report/sections/fit_section.h"
+#include "data_io/json/json_writer.h"
 
 namespace sonarcal::report {
 namespace {
@@ -95,7 +96,8 @@ std::string StillMembers(const workflow::StillPoses& still) {
     }
     poses.push_back(json);
   }
-  return fmt::format(R"("still": {}, "still_refused": {})", poses.dump(), Json(still.refused).dump());
+  return fmt::format(R"("still": {}, "still_refused": {})", data_io::JsonLine(poses),
+                     data_io::JsonLine(still.refused));
 }
 
 void AddStillPoses(HtmlReport& report, const workflow::StillPoses& still) {

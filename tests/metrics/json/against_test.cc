@@ -50,6 +50,18 @@ const FigureChange& ChangeOf(const Against& against, std::string_view path, bool
 
 constexpr const char* kError = "intensity.union.mean_absolute";
 
+// One frame on each side: no interval, and a check must not pass by that.
+TEST(AgainstTest, AWorseRunOfTooFewFramesIsNotCalledUnchanged) {
+  const MetricsReport one = RunOf(1, 0.0, 1);
+  const Against against = CompareAgainst(RunOf(1, 0.4, 2), MetricsJson(one), "then.json");
+  const FigureChange& change = ChangeOf(against, kError);
+  EXPECT_GT(change.worsening, 0.1);
+  EXPECT_FALSE(change.is_judged);
+  EXPECT_FALSE(against.unknown.empty());
+  EXPECT_THAT(against.notes, ::testing::Contains(HasSubstr("nothing tells whether")));
+  EXPECT_TRUE(CompareAgainst(one, MetricsJson(one), "then.json").unknown.empty()) << "equal";
+}
+
 TEST(AgainstTest, AnEqualRunIsTheSameByEveryFigure) {
   const MetricsReport run = RunOf(12, 0.0, 1);
   const Against against = CompareAgainst(run, MetricsJson(run), "earlier.json");
