@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/types/parse_number.h"
 #include "core/types/printable.h"
 #include "data_io/files/file_bytes.h"
 #include "data_io/images/image_io.h"
@@ -43,6 +44,15 @@ std::string OptionFlag(std::string_view name) {
   std::string flag = "--" + std::string(name);
   std::ranges::replace(flag, '_', '-');
   return flag;
+}
+
+CLI::Validator Within(double least, double most) {
+  return {[least, most](const std::string& text) {
+            double number = 0.0;
+            if (ParseNumber(text, number) && number >= least && number <= most) return std::string();
+            return fmt::format("is {}, expected {:g} .. {:g}", Printable(text), least, most);
+          },
+          ""};
 }
 
 CLI::Option* AddFrames(CLI::App& command, FrameList& frames, const std::string& what) {

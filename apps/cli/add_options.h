@@ -83,11 +83,8 @@ CLI::Option* AddOption(CLI::App& command, const OptionInfo& info, T& value) {
         throw CLI::ValidationError(
             fmt::format("{} {}", flag, UnknownWord(results.back(), OptionText<T>::kExpected)));
       }
-      if constexpr (std::is_arithmetic_v<T>) {
-        const auto number = static_cast<double>(parsed);
-        if (!(number >= info.min && number <= info.max))
-          throw CLI::ValidationError(fmt::format("{} {}{}", flag, results.back(), LimitsText(info)));
-      }
+      if (!IsWithin(info, parsed))
+        throw CLI::ValidationError(fmt::format("{} {}{}", flag, results.back(), ExpectedNumberText(info)));
       value = std::move(parsed);
       return true;
     };
@@ -113,6 +110,9 @@ CLI::Option* AddOptionNamed(CLI::App& command, Options& options, std::string_vie
   });
   return added;
 }
+
+// Check of an option without OptionInfo: a number within limits. CLI::Range lets NaN pass.
+CLI::Validator Within(double least, double most);
 
 // Adds --frames. `what` begins its help.
 CLI::Option* AddFrames(CLI::App& command, FrameList& frames, const std::string& what);

@@ -90,6 +90,7 @@ void HandleSignals() {
     if (!is_ignored) sigaddset(&signals, signal);
   }
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file above `ulimit -f` is an error of its write, which has a sentence
   std::thread([signals] { WaitForSignals(signals); }).detach();
 }
 

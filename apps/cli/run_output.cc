@@ -72,6 +72,7 @@ std::optional<EarlierRun> ReadEarlierRun(const fs::path& folder) {
 // Outputs of an earlier run that the new outputs replace; nullopt if `folder` is not one of `command`.
 std::optional<std::set<fs::path>> OutputsToReplace(const fs::path& folder, const std::string& command,
                                                    bool force) {
+  if (folder.empty()) throw UsageError("--out '', expected a folder");
   if (!HoldsAnything(folder)) return std::set<fs::path>();
   const std::optional<EarlierRun> earlier = ReadEarlierRun(folder);
   if (earlier && earlier->command == command) return earlier->outputs;

@@ -476,7 +476,7 @@ void SetupExport(CLI::App& app) {
                    "Frames per second of a video (default: as recorded, 10 if frames have no times)")
       ->type_name("HZ")
       ->default_str("")
-      ->check(CLI::Range(0.01, 1000.0).description(""));
+      ->check(cli::Within(0.01, 1000.0));
   cli::OnRun(command, options->common, [command, options] {
     if (SimulatorOf(options->to) == nullptr &&
         (options->to != ExportTarget::kMcap || options->params.empty()))

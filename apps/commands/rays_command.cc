@@ -312,14 +312,14 @@ void SetupRays(CLI::App& app) {
   command
       ->add_option("--denser", options->denser, "Number of rays of the dense image, as a multiple of --dense")
       ->type_name("N")
-      ->check(CLI::Range(1.0, 1024.0).description(""));
+      ->check(cli::Within(1.0, 1024.0));
   cli::AddOptionNamed(*command, options->rays, "ray_weight");
   command
       ->add_option(
           "--display-db", options->display_db,
           "Span of the display up to the brightest echo at these poses (default: the parameters' display)")
       ->type_name("DB")
-      ->check(CLI::Range(0.1, 1000.0).description(""));
+      ->check(cli::Within(0.1, 1000.0));
   cli::AddOptionNamed(*command, options->rays, "threads");
   cli::OnRun(command, options->common, [options] { return RunRays(*options); });
 }

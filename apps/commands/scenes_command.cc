@@ -83,7 +83,7 @@ void AddEnvironmentOptions(CLI::App& command, std::vector<std::string>& only,
       .add_option("--edge", options.max_edge_m,
                   "Longest side of the meshes' cells, metres; 0 for each scene's own resolution")
       ->type_name("M")
-      ->check(CLI::Range(0.0, 1e6).description(""));
+      ->check(cli::Within(0.0, 1e6));
   cli::AddOption(command, {.name = "seed", .help = "Seed of the seabed's relief"}, options.seed);
   command.add_flag("--surface", options.surface, "Add the water's surface to the tank");
 }

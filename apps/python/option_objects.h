@@ -304,11 +304,8 @@ T OptionFromObject(const OptionInfo& info, const pybind11::object& object) {
       is_read = OptionObject<T>::From(object, value);
     }
     if (!is_read) throw UsageError("{} {}", info.name, UnknownWord(ShortText(object), expected));
-    if constexpr (std::is_arithmetic_v<T>) {
-      const auto number = static_cast<double>(value);
-      if (!(number >= info.min && number <= info.max))
-        throw UsageError("{} {}{}", info.name, value, LimitsText(info));
-    }
+    if (!IsWithin(info, value))
+      throw UsageError("{} {}{}", info.name, ShortText(object), ExpectedNumberText(info));
     return value;
   }
 }

@@ -19,6 +19,7 @@
 // these.
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -36,6 +37,21 @@ struct OptionInfo {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
 };
+
+// True if a number is finite and within the limits of its option, or absent. Other values have no limits.
+template <typename T>
+bool IsWithin(const OptionInfo& info, const T& value) {
+  if constexpr (std::is_arithmetic_v<T>) {
+    const auto number = static_cast<double>(value);
+    return std::isfinite(number) && number >= info.min && number <= info.max;
+  } else {
+    return true;
+  }
+}
+template <typename T>
+bool IsWithin(const OptionInfo& info, const std::optional<T>& value) {
+  return !value || IsWithin(info, *value);
+}
 
 // Rows x columns of an image: range bins x beams. Text: "7x3".
 template <typename T>

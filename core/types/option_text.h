@@ -54,6 +54,12 @@ inline std::string LimitsText(const OptionInfo& info) {
   return has_max ? fmt::format(", expected {:g} or less", info.max) : std::string();
 }
 
+// End of a message about a number that is not IsWithin.
+inline std::string ExpectedNumberText(const OptionInfo& info) {
+  const std::string limits = LimitsText(info);
+  return limits.empty() ? ", expected a finite number" : limits;
+}
+
 template <typename T>
 requires std::is_arithmetic_v<T>
 struct OptionText<T> {

@@ -48,6 +48,8 @@ OutputDirectory::OutputDirectory(const fs::path& directory, Aside aside) : final
   if (fs::exists(status) && !fs::is_directory(status)) {
     throw DataError("{}: cannot be the output directory: it is a file", directory.string());
   }
+  if (!fs::exists(status) && fs::is_symlink(fs::symlink_status(final_, error)))
+    throw DataError("{}: cannot be the output directory: it is a link to nothing", directory.string());
   try {
     Stage(aside);
   } catch (const fs::filesystem_error& failure) {

@@ -333,7 +333,7 @@ CLI::Option* AddStandardTargetOptions(CLI::App* command, StandardTargetChoice* t
           ->type_name("SHAPE")
           ->check(CLI::IsMember({"sphere"}).description(""));
   const auto add = [&](const char* name, auto& member, const char* help, const char* unit, double most) {
-    command->add_option(name, member, help)->type_name(unit)->check(CLI::Range(0.0, most).description(""));
+    command->add_option(name, member, help)->type_name(unit)->check(cli::Within(0.0, most));
   };
   add("--diameter-mm", target->diameter_mm, "Standard target: diameter of the sphere", "MM", 1000.0);
   add("--bandwidth-khz", target->bandwidth_khz,
@@ -403,7 +403,7 @@ void AddFitOptions(CLI::App* command, FitCommandOptions* options) {
                    "Noise only: leave out cells that are off by more than this many robust standard "
                    "deviations, 0 for none")
       ->type_name("N")
-      ->check(CLI::Range(0.0, 100.0).description(""));
+      ->check(cli::Within(0.0, 100.0));
 }
 
 }  // namespace
