@@ -93,6 +93,26 @@ void CheckOutFolder(const fs::path& folder, const std::string& command, bool for
   OutputsToReplace(folder, command, force);
 }
 
+void RefuseInputAsOutput(const fs::path& out, const std::vector<fs::path>& inputs) {
+  std::error_code error;
+  for (const fs::path& input : inputs) {
+    if (fs::equivalent(out, input, error))
+      throw UsageError("--out is '{}', which this command reads, expected another name", out.string());
+  }
+}
+
+void CheckOutFile(const fs::path& out, const std::vector<fs::path>& inputs, bool force) {
+  RefuseInputAsOutput(out, inputs);
+  std::error_code error;
+  if (force || !fs::exists(fs::symlink_status(out, error))) return;
+  for (const char* suffix : {".provenance.json", ".account.json"}) {
+    if (fs::exists(out.string() + suffix, error)) return;
+  }
+  throw DataError(
+      "{}: exists, and there is no {}.provenance.json of an earlier run, expected a new file or --force",
+      out.string(), out.filename().string());
+}
+
 CLI::Option* AddOutFolder(CLI::App& command, fs::path& out, CommonOptions& common,
                           const std::string& description) {
   command.add_flag("--force", common.force,

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "apps/cli/command.h"
 #include "data_io/files/atomic_output.h"
@@ -26,6 +27,15 @@ CLI::Option* AddOutFolder(CLI::App& command, std::filesystem::path& out, CommonO
 // Throws DataError if `folder` holds anything that no earlier run of `command` wrote, unless `force`. Ignores
 // hidden files. RunOutput checks this too; this function is for commands that write late.
 void CheckOutFolder(const std::filesystem::path& folder, const std::string& command, bool force);
+
+// Throws UsageError if `out` is one of the inputs, by whatever path. For commands whose outputs have the form
+// of their inputs.
+void RefuseInputAsOutput(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);
+
+// Throws as RefuseInputAsOutput does, and DataError if there is a file at `out` that no earlier run wrote,
+// unless `force`. An earlier run left a file whose name has ".provenance.json" or ".account.json" after it.
+void CheckOutFile(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs,
+                  bool force);
 
 // Writes the outputs of a run aside, and moves them into the folder at the end:
 //

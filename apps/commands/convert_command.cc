@@ -100,6 +100,7 @@ void CheckOptions(const ConvertOptions& options) {
 
 cli::ExitStatus RunConvert(const ConvertOptions& options) {
   CheckOptions(options);
+  cli::RefuseInputAsOutput(options.out, {options.file, options.poses});
   std::unique_ptr<RecordingSource> recording = cli::OpenWithBagOptions(options.file, options.bag);
   const std::vector<int> selected = options.frames.In(recording->frame_count());
   recording = data_io::SelectFrames(std::move(recording), options.frames);

@@ -155,7 +155,6 @@ void CheckOptions(const ExportOptions& options) {
   if (!draws) refuse(options.height_px != 0, "--height", "mcap, png and mp4");
   if (options.to != ExportTarget::kMcap && !HasWorld(options.to))
     refuse(!options.scene.empty(), "--scene", "mcap, stonefish, gazebo and dave-ros2");
-  if (options.to != ExportTarget::kPng) refuse(options.common.force, "--force", "png");
   if (options.to != ExportTarget::kMaterials) refuse(!options.fit.empty(), "--fit", "materials");
   if (options.to != ExportTarget::kMp4) refuse(options.frames_per_s != 0.0, "--fps", "mp4");
   if (options.to == ExportTarget::kMp4 && options.out.extension() != ".mp4") {
@@ -247,8 +246,10 @@ cli::ExitStatus ExportConfiguration(const ExportOptions& options, const Simulato
 
   cli::RunOutput output = cli::RunOutput::Beside(FolderOf(options.out));
   std::vector<std::string> files;
+  const bool is_again = fs::exists(options.out.string() + ".account.json");
   for (const exporting::ExportedFile& file : config.files) {
     files.push_back(file.suffix.empty() ? options.out.filename().string() : stem + file.suffix);
+    if (!is_again) cli::CheckOutFile(FolderOf(options.out) / files.back(), {}, options.common.force);
     data_io::WriteFileWhole(output / files.back(), file.text);
   }
   files.push_back(options.out.filename().string() + ".account.json");
@@ -426,6 +427,11 @@ cli::ExitStatus ExportMaterials(const ExportOptions& options) {
 
 cli::ExitStatus RunExport(const ExportOptions& options) {
   CheckOptions(options);
+  if (options.to != ExportTarget::kPng) {
+    cli::CheckOutFile(options.out,
+                      {options.recording, options.params, options.scene, options.fit, options.sonar},
+                      options.common.force);
+  }
   if (options.to == ExportTarget::kMaterials) return ExportMaterials(options);
   const SimulatorExport* simulator = SimulatorOf(options.to);
   return simulator == nullptr ? ExportRecording(options) : ExportConfiguration(options, *simulator);

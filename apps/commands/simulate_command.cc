@@ -177,6 +177,7 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
   // before the output exists, so that an interruption always keeps it for --resume
   const cli::Interruption interruption;
   const FilesBeside beside(options, simulator);
+  cli::RefuseInputAsOutput(options.out, {options.poses, cli::SonarFile(options.sonar)});
   cli::RunOutput output(options.out, "simulate", options.common.force,
                         options.resume ? data_io::Aside::kFound : data_io::Aside::kAnew);
   const workflow::SimulatedRecording recording(
@@ -200,9 +201,17 @@ cli::ExitStatus RunSimulate(const SimulateCommandOptions& options) {
     cli::PrintError("interrupted before the first frame was finished: nothing was written");
     return cli::ExitStatus::kInterrupted;
   }
+  const bool is_whole = frames_done == recording.frame_count();
+  if (!is_whole && !finished.in_folder() && data_io::IsRecordingFolder(options.out)) {
+    cli::PrintError(fmt::format(
+        "interrupted: {} of {} frames are finished and kept aside, and {} stays as it was; the same "
+        "command with --resume makes the rest",
+        frames_done, recording.frame_count(), options.out.string()));
+    return cli::ExitStatus::kInterrupted;
+  }
   data_io::WriteParameters(output / "params.json", parameters);
   output.Commit();
-  if (frames_done < recording.frame_count()) {
+  if (!is_whole) {
     cli::PrintError(
         fmt::format("interrupted: {} of {} frames are finished, a recording in {}; the same command with "
                     "--resume makes the rest",

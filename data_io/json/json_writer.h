@@ -12,7 +12,7 @@ namespace sonarcal::data_io {
 // that are not UTF-8 become U+FFFD. Ends with a newline.
 std::string JsonText(const nlohmann::ordered_json& json);
 
-// The same in one line, without spaces and without a newline.
+// JsonText in one line, without spaces and without a newline.
 std::string JsonLine(const nlohmann::ordered_json& json);
 
 // Writes JsonText completely or not at all (data_io/files/atomic_output.h). Throws DataError if it cannot.

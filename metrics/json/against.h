@@ -54,8 +54,8 @@ struct Against {
   std::string earlier;    // name of its file
   int common_frames = 0;  // number of paired frames; 0: intervals are compared
   std::vector<FigureChange> figures;
-  // Headline figures of which nothing is known: those that are not judged, and those with a value in the earlier
-  // run only.
+  // Headline figures of which nothing is known: those that are not judged, and those with a value in the
+  // earlier run only.
   std::vector<std::string> unknown = {};
   std::vector<std::string> notes;  // differences that make the two runs hard to compare, one sentence each
 

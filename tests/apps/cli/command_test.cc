@@ -72,6 +72,36 @@ TEST(CommandTest, BadDataIsOneSentenceAndStatusOne) {
   EXPECT_THAT(outcome.err, HasSubstr("/nowhere/at/all"));
 }
 
+TEST(CommandTest, NumbersMustBeFiniteAndWithinLimits) {
+  const testing::TempDir dir;
+  const std::string fit = "fit --real a --scene b --params c --out " + Quoted(dir / "out");
+  for (const char* option :
+       {"--level-sigma nan", "--level-sigma -5", "--reject-beyond nan", "--diameter-mm nan"}) {
+    const Outcome outcome = RunSonarcal(fit + " " + option);
+    EXPECT_EQ(outcome.status, 2) << option;
+    EXPECT_THAT(outcome.err, HasSubstr("expected")) << option;
+    ExpectOneSentence(outcome.err);
+  }
+}
+
+// `ulimit -f` sends a signal at the write that exceeds it, which would end the program without a word.
+TEST(CommandTest, AFileAboveTheLimitOfItsSizeIsASentence) {
+  const testing::TempDir dir;
+  const Outcome outcome = RunSonarcal("scenes --only tank --out " + Quoted(dir / "out"), "ulimit -f 1;");
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("cannot be written: File too large"));
+  EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
+}
+
+TEST(CommandTest, AnOutputFolderMustHaveANameAndBeNoLinkToNothing) {
+  const testing::TempDir dir;
+  EXPECT_EQ(RunSonarcal("scenes --only tank --out ''").status, 2);
+  std::filesystem::create_symlink("nowhere", dir / "link");
+  const Outcome outcome = RunSonarcal("scenes --only tank --out " + Quoted(dir / "link"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("it is a link to nothing"));
+}
+
 TEST(CommandTest, AFullDiskEndsWithAFailureStatus) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   EXPECT_EQ(WEXITSTATUS(std::system((std::string(SONARCAL_BINARY) + " --help >/dev/full 2>&1").c_str())), 1);

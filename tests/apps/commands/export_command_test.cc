@@ -182,5 +182,26 @@ TEST_F(ExportCommandTest, ContradictoryOptionsAreRefusedInOneSentence) {
   }
 }
 
+// A file of the user, an input, and the frame of a recording.
+TEST_F(ExportCommandTest, WhatNoExportWroteIsNotReplaced) {
+  testing::WriteFile(dir_ / "thesis.txt", "mine");
+  const std::string npz = "--to npz --recording " + Quoted(dir_ / "rec");
+  const Outcome refused = Export(npz + Out("thesis.txt"));
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("thesis.txt: exists, and there is no thesis.txt.provenance.json"));
+  EXPECT_EQ(testing::ReadFile(dir_ / "thesis.txt"), "mine");
+  EXPECT_EQ(Export(npz + Out("rec/frame_0000.png")).status, 1);
+  const std::string dave = "--to dave --sonar p900-45 --params " + Quoted(dir_ / "p.json");
+  const Outcome input = Export(dave + Out("p.json") + " --force");
+  EXPECT_EQ(input.status, 2);
+  EXPECT_THAT(input.err, HasSubstr("which this command reads"));
+  EXPECT_EQ(testing::ReadFile(dir_ / "p.json"), kParameters);
+  EXPECT_EQ(Export(npz + Out("thesis.txt") + " --force").status, 0);
+  EXPECT_EQ(Export(npz + Out("thesis.txt")).status, 0) << "its own file";
+  const Outcome converted = RunSonarcal("convert " + Quoted(dir_ / "rec") + " --out " + Quoted(dir_ / "rec"));
+  EXPECT_EQ(converted.status, 2);
+  EXPECT_THAT(converted.err, HasSubstr("which this command reads"));
+}
+
 }  // namespace
 }  // namespace sonarcal::commands
