@@ -121,6 +121,41 @@ class PairComparer {
   tbb::enumerable_thread_specific<metrics::FrameComparer> comparers_;
 };
 
+// The recording with the poses of a simulation that moves, where it has none: frames that follow each other
+// show different things then.
+class WithPosesOf final : public RecordingSource {
+ public:
+  WithPosesOf(const RecordingSource& real, const RecordingSource& simulated)
+      : real_(real), simulated_(simulated) {
+    if (simulated.frame_count() != real.frame_count()) return;
+    for (int i = 0; i + 1 < simulated.frame_count() && !moves_; ++i) {
+      const std::optional<Pose> pose = simulated.frame_info(i).world_from_sonar;
+      const std::optional<Pose> next = simulated.frame_info(i + 1).world_from_sonar;
+      moves_ = pose && next && !IsSamePose(*pose, *next);
+    }
+  }
+
+  const RecordingInfo& info() const override { return real_.info(); }
+  int frame_count() const override { return real_.frame_count(); }
+  FrameInfo frame_info(int index) const override { return Posed(real_.frame_info(index), index); }
+  Frame ReadFrame(int index) const override {
+    Frame frame = real_.ReadFrame(index);
+    frame.info = Posed(std::move(frame.info), index);
+    return frame;
+  }
+
+ private:
+  FrameInfo Posed(FrameInfo info, int index) const {
+    if (!info.world_from_sonar && moves_)
+      info.world_from_sonar = simulated_.frame_info(index).world_from_sonar;
+    return info;
+  }
+
+  const RecordingSource& real_;
+  const RecordingSource& simulated_;
+  bool moves_ = false;
+};
+
 }  // namespace
 
 std::set<int> FramesWithBoxes(const RecordingSource& real, const std::vector<int>& compared) {
@@ -222,7 +257,12 @@ metrics::MetricsReport CompareRecordings(const RecordingSource& real, const Reco
     of_floor.simulated_object = metrics::SimulatedObject::kSameRule;
     of_floor.region_margin_m.reset();
     of_floor.sweep = {};
-    report.noise_floor = metrics::MeasureNoiseFloor(real, of_floor, options.boxes);
+    const WithPosesOf posed(real, simulated);
+    report.noise_floor = metrics::MeasureNoiseFloor(posed, of_floor, options.boxes);
+    if (report.noise_floor.source() == metrics::FloorSource::kRealAgainstReal) {
+      const std::vector<std::string>& assumptions = report.noise_floor.real_against_real.notes;
+      notes.insert(assumptions.begin(), assumptions.end());
+    }
   }
   if (options.as_displayed) {
     notes.insert("grey levels are compared as displayed; the dB scales of the recordings are ignored");

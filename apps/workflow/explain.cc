@@ -22,6 +22,7 @@
 #include "metrics/segmentation/region.h"
 #include "metrics/segmentation/segmentation.h"
 #include "sim/gathered/echo_causes.h"
+#include "sim/gathered/empty_frames.h"
 #include "sim/paper/paper_image.h"
 #include "sim/physics/display.h"
 
@@ -103,8 +104,9 @@ class RecordingExplainer {
                 .poses = options.poses,
                 .on_step = options.on_step};
     result_.rays = {explain_.simulation.fan.cols, explain_.simulation.fan.rows};
-    result_.explanation = calib::Explain(scene, sonar, used_, held_out_, given_, explain_);
     simulator_.emplace(scene, sonar, explain_.simulation);
+    Say(sim::CheckSceneIsSeen(*simulator_, data_io::PosesAlone(poses), result_.split.used));
+    result_.explanation = calib::Explain(scene, sonar, used_, held_out_, given_, explain_);
     if (options.comparison.object) geometry_.emplace(simulator_->caster(), sonar);
   }
 
