@@ -7,7 +7,7 @@
 namespace sonarcal::report {
 namespace {
 
-std::string VerdictText(const metrics::FigureChange& change) {
+std::string VerdictWithAmount(const metrics::FigureChange& change) {
   const std::string by = fmt::format(" by {:.4f}", std::abs(change.worsening));
   // Interval of the amount. The interval of the worsening is reversed if the figure got better.
   const auto interval = [&](double sign) {
@@ -42,7 +42,7 @@ std::string AgainstText(const metrics::Against& against) {
     const std::string label =
         fmt::format("{}, {}", change.path == "iou" ? "IoU" : "intensity error", change.fan ? "fan" : "polar");
     text += fmt::format("  {:<24}  {:.4f} before, {:.4f} now: {}\n", label, change.earlier, change.now,
-                        VerdictText(change));
+                        VerdictWithAmount(change));
     if (change.explained) {
       text += fmt::format("  {:<24}  {:.0f} % of the way to the floor\n", "", 100.0 * *change.explained);
     }

@@ -319,6 +319,27 @@ TEST(NoiseSolverTest, ConvergesWhereSomePixelsAreFarTooBright) {
   EXPECT_LE(two.cost, one.cost + 3.0);  // two floors can do what one does, but for what priors take
 }
 
+// The same pixels on displays that begin far below 0 dB, at it and above: the start moves with the display.
+TEST(NoiseFitTest, TheStartFollowsTheDisplay) {
+  const Source source(Logarithm(1.0));
+  const Frame frame = source.Draw(1, 3).ReadFrame(0);
+  const NoiseCells cells = CellsOf(source);
+  const NoiseCounts counts = CountGrey(frame.image, cells);
+  const auto start_at = [&](double db_min) {
+    NoiseForm form{.display = source.law.display, .fit_soft_db = true};
+    form.display.law = DisplayLaw::kSoftLog;
+    form.display.db_max = db_min + source.law.display.db_max - source.law.display.db_min;
+    form.display.db_min = db_min;
+    return StartOf(form, counts, cells, 0.0, 0.0);
+  };
+  const NoiseLaw at_zero = start_at(0.0);
+  ASSERT_TRUE(std::isfinite(*at_zero.receiver.noise_db));
+  for (const double db_min : {-200.0, -60.0, 90.0}) {
+    EXPECT_NEAR(*start_at(db_min).receiver.noise_db, *at_zero.receiver.noise_db + db_min, 1e-6) << db_min;
+    EXPECT_NEAR(start_at(db_min).display.soft_db, at_zero.display.soft_db + db_min, 1e-6) << db_min;
+  }
+}
+
 TEST(NoiseFitTest, NoCandidateIsChosenThatHasNotConverged) {
   Source source(Logarithm(1.0));
   source.info.scale.db_span = 80.0;

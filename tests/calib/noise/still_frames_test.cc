@@ -251,6 +251,18 @@ TEST(StillFrames, RefusesASceneThatMoves) {
   EXPECT_THROW(Tell({.frames = 1}), DataError);
 }
 
+TEST(StillFrames, FramesOfClippedPixelsAreCalledThat) {
+  const StillScene scene{.frames = 6};
+  std::vector<PolarImage> images = Draw(scene);
+  for (PolarImage& image : images) std::ranges::fill(image.value.values(), 255.0F);
+  try {
+    SeparateSpeckleFromNoise(images, Numbers(scene.frames), OptionsFor(scene));
+    FAIL() << "nothing is known of clipped pixels";
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("every pixel is clipped"), std::string::npos) << error.what();
+  }
+}
+
 // What the true parameters make the simulator expect, without noise.
 std::vector<double> ExpectedEchoes(const sim::Simulator& simulator, const Pose& pose,
                                    const ParameterSet& parameters) {

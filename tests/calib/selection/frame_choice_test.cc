@@ -71,27 +71,6 @@ TEST(FrameChoice, EndsWhenAnotherFrameGainsLittle) {
   EXPECT_TRUE(ChooseByInformation({}, equal).poses.empty());
 }
 
-TEST(FrameChoice, GroupsByPoseAsComparisonsOfAllPairsWould) {
-  std::vector<Pose> poses;
-  for (int i = 0; i < 300; ++i) {
-    const double angle_rad = 2e-3 * (i * 7 % 30);
-    poses.push_back({RotationFromYawPitchRoll(angle_rad, 0.3 * angle_rad, 0.0),
-                     {0.5e-3 * (i % 11), -0.4e-3 * (i % 5), 1.0}});
-  }
-  std::vector<std::vector<int>> slow;
-  for (int i = 0; i < 300; ++i) {
-    const auto same = std::ranges::find_if(
-        slow, [&](const std::vector<int>& group) { return IsSamePose(poses[group.front()], poses[i]); });
-    if (same == slow.end()) {
-      slow.push_back({i});
-    } else {
-      same->push_back(i);
-    }
-  }
-  EXPECT_EQ(GroupByPose(poses), slow);
-  EXPECT_LT(slow.size(), poses.size());
-}
-
 TEST(FrameChoice, HeldOutFramesLieAwayFromFittedPoses) {
   std::vector<Pose> poses;
   for (int i = 0; i < 9; ++i) poses.push_back({Eigen::Quaterniond::Identity(), {0.1 * i, 0.0, 0.0}});

@@ -159,6 +159,13 @@ TEST(ObjectOutline, ABumpIsLocalAndOpensNoCrack) {
   EXPECT_LT(moved, static_cast<int>(bumped.vertices_m.size()) / 2);
 }
 
+// In coordinates of a map, floats are half a metre apart.
+TEST(ObjectOutline, DivisionEndsFarFromTheOrigin) {
+  Scene scene = sim::MakeBox({0.0, 4.6e6, 0.0}, {2.0, 4.6e6 + 2.0, 2.0}, sim::kUndivided, "box");
+  DivideObject(scene, "box", 0.2);
+  EXPECT_LT(scene.vertices_m.size(), 3000U);
+}
+
 TEST(ObjectOutline, DivisionKeepsTheVerticesOfEachPartConsecutive) {
   Scene scene = Cylinder();
   const std::size_t first = scene.vertices_m.size();

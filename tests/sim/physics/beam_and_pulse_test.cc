@@ -81,6 +81,17 @@ TEST(BeamAndPulseTest, AnUnknownWidthIsRefusedUnlessThereIsATable) {
   EXPECT_NO_THROW(WithResponse(sonar, Parameters(AzimuthPattern::kTable)));
 }
 
+// A line array hears 102 degrees as 78 degrees.
+TEST(BeamAndPulseTest, AnApertureHasNoBeamsBehindIt) {
+  SonarModel sonar = Sonar();
+  sonar.axes.beam_azimuth_rad = {RadFromDeg(-102.0), 0.0, RadFromDeg(102.0)};
+  ParameterSet parameters;
+  parameters.beam.azimuth_pattern = AzimuthPattern::kAperture;
+  EXPECT_THROW(AzimuthShapeOf(sonar, parameters), DataError);
+  parameters.beam.azimuth_pattern = AzimuthPattern::kGaussian;
+  EXPECT_NO_THROW(AzimuthShapeOf(sonar, parameters));
+}
+
 TEST(BeamAndPulseTest, TapersAndTablesOutOfBoundsAreRefused) {
   const SonarModel sonar = Sonar();
   ParameterSet parameters = Parameters(AzimuthPattern::kAperture);

@@ -368,6 +368,13 @@ TEST(SpeckleTest, MeanOfEachDisplayIsTheIntegralOverTheLaw) {
   }
 }
 
+// Levels below silence are not looked up, however far a power law would show them.
+TEST(SpeckleTest, TableOfATinyExponentIsSmall) {
+  const DisplayParameters<double> display{
+      .db_min = 0.0, .db_max = 30.0, .law = DisplayLaw::kPower, .exponent = 3e-10};
+  EXPECT_NEAR(MeanDisplayTable(display, 1.4)(1.0), 1.0, 1e-6);
+}
+
 // Without clipping, E[x^e] = Gamma(L + e) / (Gamma(L) L^e), for e = exponent / 2; also below the levels of
 // the table.
 TEST(SpeckleTest, TableOfAPowerLawHoldsAtAllDarkLevels) {
