@@ -2,10 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include "core/types/error.h"
