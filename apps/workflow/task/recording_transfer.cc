@@ -1,6 +1,7 @@
 #include "apps/workflow/task/recording_transfer.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -40,6 +41,18 @@ void CheckMasks(const char* option, const Recordings& masks, const Recordings& r
   if (masks.size() == recordings.size()) return;
   throw UsageError("{} names {} recordings, expected {}, one for each recording", option, masks.size(),
                    recordings.size());
+}
+
+// No frame is tested by a detector that was trained on it.
+void CheckApart(const Recordings& training, const Recordings& test) {
+  for (const RecordingSource* trained : training) {
+    for (const RecordingSource* tested : test) {
+      std::error_code error;
+      if (std::filesystem::equivalent(trained->info().source, tested->info().source, error))
+        throw UsageError("{} is given for training and for the test, expected other frames to test on",
+                         tested->info().source);
+    }
+  }
 }
 
 std::vector<std::string> NamesOf(const Recordings& recordings) {
@@ -89,6 +102,7 @@ RecordingTransfer Transfer(const TransferRecordings& recordings, const TransferO
     throw UsageError("expected either --train-masks or --object");
   if (options.object.empty()) CheckMasks("--train-masks", recordings.training_masks, recordings.training);
   CheckMasks("--test-masks", recordings.test_masks, recordings.test);
+  CheckApart(recordings.training, recordings.test);
   const std::vector<metrics::LabelledFrame> training =
       Labelled(recordings.training, recordings.training_masks, options.object);
   const std::vector<metrics::LabelledFrame> test = Labelled(recordings.test, recordings.test_masks, {});
