@@ -96,7 +96,8 @@ def locate(world, simulated, **options):
 def transfer(recorded, **options):
     real = sonarcal.open_recording(recorded)
     masks = sonarcal.recording([sonarcal.segment(frame.image) * 255.0 for frame in real], real.sonar)
-    return sonarcal.transfer(real, real, masks, train_masks=masks, **options)
+    other = sonarcal.recording([frame.image for frame in real], real.sonar)
+    return sonarcal.transfer(other, real, masks, train_masks=masks, **options)
 
 
 RUNS = {
