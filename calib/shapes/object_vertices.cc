@@ -48,8 +48,8 @@ bool DivideOnce(Scene& scene, std::vector<char>& inside, float max_edge_m) {
     if ((from - to).norm() <= max_edge_m) return -1;
     const Eigen::Vector3f middle = 0.5F * (from + to);
     // Far from the origin floats are so far apart that a half may be about as long as the whole.
-    constexpr float kMostOfWhole = 0.75F;
-    if (std::max((middle - from).norm(), (to - middle).norm()) > kMostOfWhole * (to - from).norm()) return -1;
+    constexpr float kMaxOfWhole = 0.75F;
+    if (std::max((middle - from).norm(), (to - middle).norm()) > kMaxOfWhole * (to - from).norm()) return -1;
     const auto [found, added] = middles.try_emplace(std::minmax(a, b), 0);
     if (added) {
       found->second = static_cast<int>(scene.vertices_m.size());
