@@ -96,7 +96,7 @@ def locate(world, simulated, **options):
 def transfer(recorded, **options):
     real = sonarcal.open_recording(recorded)
     masks = sonarcal.recording([sonarcal.segment(frame.image) * 255.0 for frame in real], real.sonar)
-    other = sonarcal.recording([frame.image for frame in real], real.sonar)
+    other = sonarcal.recording([frame.image for frame in real], real.sonar, full_scale=real.full_scale)
     return sonarcal.transfer(other, real, masks, train_masks=masks, **options)
 
 
