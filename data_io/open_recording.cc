@@ -56,7 +56,7 @@ const Format* FormatOf(const fs::path& path) {
   return format == std::end(kFormats) ? nullptr : format;
 }
 
-// False, too, for a file that cannot be opened: beside a recording it is in nobody's way.
+// False for a file that cannot be opened, too: it must not hide a recording beside it.
 bool IsRecording(const fs::path& entry) {
   try {
     return FormatOf(entry) != nullptr;

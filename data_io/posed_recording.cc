@@ -35,8 +35,7 @@ PosedRecording::PosedRecording(std::unique_ptr<RecordingSource> recording, Poses
   if (info_.sonar.pings.is_timed() && still_count > 0) {
     info_.notes.push_back(
         fmt::format("{} of {} frames have a pose, but no motion: at their pings the trajectory has a gap, or "
-                    "is faster than "
-                    "{:g} m/s or {:g} degrees/s.",
+                    "is faster than {:g} m/s or {:g} degrees/s.",
                     still_count, frame_count(), kMaxSpeedMPerS, kMaxTurnRateDegPerS));
   }
 }

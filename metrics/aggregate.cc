@@ -109,7 +109,7 @@ void SetIntervals(const FrameViews& frames, bool in_time, ViewAggregate& view) {
       }
     }
     for (std::size_t k = 0; k < figures.size(); ++k) {
-      // If few frames define a figure, many draws have the same ones, of the pooled frames too.
+      // If few frames define a figure, many draws give it the same value, of pooled frames too.
       const int defined = view.macro.statistics[figures[k]].frames_used;
       const auto set = [&, block = block](Statistic& statistic, const std::vector<double>& draws) {
         statistic.block_frames = block;

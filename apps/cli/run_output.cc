@@ -16,6 +16,7 @@
 #include "apps/cli/messages.h"
 #include "core/types/error.h"
 #include "data_io/json/json_writer.h"
+#include "data_io/recordings/recording_io.h"
 
 namespace sonarcal::cli {
 namespace {
@@ -96,7 +97,9 @@ void CheckOutFolder(const fs::path& folder, const std::string& command, bool for
 void RefuseInputAsOutput(const fs::path& out, const std::vector<fs::path>& inputs) {
   std::error_code error;
   for (const fs::path& input : inputs) {
-    if (fs::equivalent(out, input, error))
+    const bool is_header =
+        input.has_parent_path() && data_io::IsRecordingFolder(input) && !fs::is_directory(input);
+    if (fs::equivalent(out, is_header ? input.parent_path() : input, error))
       throw UsageError("--out is '{}', which this command reads, expected another name", out.string());
   }
 }
@@ -108,9 +111,8 @@ void CheckOutFile(const fs::path& out, const std::vector<fs::path>& inputs, bool
   for (const char* suffix : {".provenance.json", ".account.json"}) {
     if (fs::exists(out.string() + suffix, error)) return;
   }
-  throw DataError(
-      "{}: exists, and there is no {}.provenance.json of an earlier run, expected a new file or --force",
-      out.string(), out.filename().string());
+  throw DataError("{}: exists, and no earlier run of this command wrote it, expected a new file or --force",
+                  out.string());
 }
 
 CLI::Option* AddOutFolder(CLI::App& command, fs::path& out, CommonOptions& common,

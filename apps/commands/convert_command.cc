@@ -25,6 +25,7 @@
 #include "apps/workflow/simulate.h"
 #include "core/types/error.h"
 #include "data_io/bag_trajectory.h"
+#include "data_io/open_recording.h"
 #include "data_io/pose_io.h"
 #include "data_io/posed_recording.h"
 #include "data_io/recordings/recalibrated_recording.h"
@@ -100,7 +101,7 @@ void CheckOptions(const ConvertOptions& options) {
 
 cli::ExitStatus RunConvert(const ConvertOptions& options) {
   CheckOptions(options);
-  cli::RefuseInputAsOutput(options.out, {options.file, options.poses});
+  cli::RefuseInputAsOutput(options.out, {data_io::LocateRecording(options.file), options.poses});
   std::unique_ptr<RecordingSource> recording = cli::OpenWithBagOptions(options.file, options.bag);
   const std::vector<int> selected = options.frames.In(recording->frame_count());
   recording = data_io::SelectFrames(std::move(recording), options.frames);

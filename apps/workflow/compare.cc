@@ -121,6 +121,13 @@ class PairComparer {
   tbb::enumerable_thread_specific<metrics::FrameComparer> comparers_;
 };
 
+// True if the recording states that the sonar moves between a frame and the next one.
+bool MovesAfter(const RecordingSource& recording, int frame) {
+  const std::optional<Pose> pose = recording.frame_info(frame).world_from_sonar;
+  const std::optional<Pose> next = recording.frame_info(frame + 1).world_from_sonar;
+  return pose && next && !IsSamePose(*pose, *next);
+}
+
 // The recording with the poses of a simulation that moves, where it has none: frames that follow each other
 // show different things then.
 class WithPosesOf final : public RecordingSource {
@@ -128,11 +135,7 @@ class WithPosesOf final : public RecordingSource {
   WithPosesOf(const RecordingSource& real, const RecordingSource& simulated)
       : real_(real), simulated_(simulated) {
     if (simulated.frame_count() != real.frame_count()) return;
-    for (int i = 0; i + 1 < simulated.frame_count() && !moves_; ++i) {
-      const std::optional<Pose> pose = simulated.frame_info(i).world_from_sonar;
-      const std::optional<Pose> next = simulated.frame_info(i + 1).world_from_sonar;
-      moves_ = pose && next && !IsSamePose(*pose, *next);
-    }
+    for (int i = 0; i + 1 < simulated.frame_count() && !moves_; ++i) moves_ = MovesAfter(simulated, i);
   }
 
   const RecordingInfo& info() const override { return real_.info(); }
@@ -163,9 +166,7 @@ std::set<int> FramesWithBoxes(const RecordingSource& real, const std::vector<int
   std::set<int> frames(compared.begin(), compared.end());
   int pairs = 0;
   for (int i = 0; i + 1 < real.frame_count() && pairs < kFloorPairs; ++i) {
-    const std::optional<Pose> pose = real.frame_info(i).world_from_sonar;
-    const std::optional<Pose> next = real.frame_info(i + 1).world_from_sonar;
-    if (pose && next && !IsSamePose(*pose, *next)) continue;
+    if (MovesAfter(real, i)) continue;
     frames.insert(i);
     ++pairs;
   }

@@ -85,9 +85,9 @@ class Builder {
 
   // The sandwich, which needs pings that differ. Of equal ones, as of a repeated still, the curvature.
   double StatedVariance(int place) const {
-    constexpr double kLeastShare = 1e-3;  // a standard error of a thirtieth
+    constexpr double kMinShare = 1e-3;  // a thirtieth of the standard error that the curvature gives
     const double curvature = posterior_(place, place);
-    return covariance_(place, place) > kLeastShare * curvature ? covariance_(place, place) : curvature;
+    return covariance_(place, place) > kMinShare * curvature ? covariance_(place, place) : curvature;
   }
 
   bool IsDetermined(int place, const std::string& unit) const {

@@ -45,14 +45,17 @@ double RoughNoisePower(const NoiseCounts& counts, const NoiseCells& cells,
     below += histogram[level];
     if (below >= 0.8 * all && below < all) {
       const double power = sim::PowerFromDisplay(display, (level + 0.5) / cells.full_scale);
-      const double least = PowerFromDb(display.db_min - 40.0);
-      return std::max(power, least) / -std::log1p(-below / all);
+      return std::max(power, UnshownPower(display)) / -std::log1p(-below / all);
     }
   }
   return sim::PowerFromDisplay(display, 0.5);
 }
 
 }  // namespace
+
+double UnshownPower(const DisplayParameters<double>& display) {
+  return PowerFromDb(display.db_min - 40.0);
+}
 
 int Richness(const NoiseForm& form) {
   return (form.display.law == DisplayLaw::kSoftLog) + (form.speckle != sim::SpeckleLaw::kGamma) +
@@ -65,12 +68,12 @@ NoiseLaw StartOf(const NoiseForm& form, const NoiseCounts& counts, const NoiseCe
   NoiseLaw law{.display = form.display, .receiver = {}, .speckle = form.speckle};
   const double span_db = form.display.db_max - form.display.db_min;
   // Below all recorded values, because nothing below the soft floor is ever shown.
-  const double most_soft_db =
+  const double max_soft_db =
       form.display.db_min + (LeastLevelShown(counts) - 0.5) / cells.full_scale * span_db - 1.0;
-  if (form.fit_soft_db) law.display.soft_db = std::min(form.display.db_min - 1.5, most_soft_db);
+  if (form.fit_soft_db) law.display.soft_db = std::min(form.display.db_min - 1.5, max_soft_db);
   const double level_db = DbFromPower(RoughNoisePower(counts, cells, law.display));
   if (form.fit_soft_db)
-    law.display.soft_db = std::min(std::max(form.display.db_min - 1.5, level_db - 12.0), most_soft_db);
+    law.display.soft_db = std::min(std::max(form.display.db_min - 1.5, level_db - 12.0), max_soft_db);
   ReceiverParameters& receiver = law.receiver;
   const double free_looks = MinNoiseLooks(form.speckle) < 1.0 ? 0.8 : 1.3;
   receiver.looks = form.fit_span ? 1.0 : free_looks;

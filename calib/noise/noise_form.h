@@ -16,6 +16,9 @@ struct NoiseForm {
   bool floor_after_gain = true;
 };
 
+// Power that a display does not show, 40 dB below db_min. It stands for levels that are shown as black.
+double UnshownPower(const DisplayParameters<double>& display);
+
 // Number of steps from the plainest form.
 int Richness(const NoiseForm& form);
 

@@ -88,9 +88,9 @@ MatchState StateAt(const Pose& sonar_from_body) {
 PoseMatcher::PoseMatcher(std::shared_ptr<const sim::RayCaster> caster, const SonarModel& sonar,
                          const Water& water, const PolarImage& measured, const ParameterSet& parameters,
                          const MeshSymmetry& symmetry, const PoseSearchOptions& options, const ImageBox& box,
-                         const PlaceBounds& bounds, int most_factor)
+                         const PlaceBounds& bounds, int max_factor)
     : options_(options),
-      factor_(std::clamp(most_factor, 1, std::max(1, box.last_bin - box.first_bin))),
+      factor_(std::clamp(max_factor, 1, std::max(1, box.last_bin - box.first_bin))),
       body_from_mesh_(symmetry.mesh_from_body.Inverse()),
       parameters_(parameters),
       bounds_(bounds) {

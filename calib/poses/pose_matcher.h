@@ -54,12 +54,12 @@ struct EchoPowers {
 
 class PoseMatcher {
  public:
-  // `caster` and `options` must outlive the matcher. `most_factor` divides the range bins, and the
-  // rays both ways. It is smaller in a box of fewer bins.
+  // `caster` and `options` must outlive the matcher. The range bins, and the rays both ways, are divided by
+  // `max_factor`, or by the number of bins in the box if that is smaller.
   PoseMatcher(std::shared_ptr<const sim::RayCaster> caster, const SonarModel& sonar, const Water& water,
               const PolarImage& measured, const ParameterSet& parameters, const MeshSymmetry& symmetry,
               const PoseSearchOptions& options, const ImageBox& box, const PlaceBounds& bounds,
-              int most_factor);
+              int max_factor);
 
   const Grid<float>& measured() const { return measured_; }
   const PolarAxes& axes() const { return simulator_->sonar().axes; }

@@ -10,6 +10,7 @@
 
 #include "calib/mirror_start.h"
 #include "calib/models/acoustic_frame_model.h"
+#include "calib/noise/noise_form.h"
 #include "calib/problem_builder.h"
 #include "core/math/bisection.h"
 #include "core/types/error.h"
@@ -162,9 +163,8 @@ class Explainer {
     black.looks = given_.receiver.looks;
     black.time_varied_gain = given_.receiver.time_varied_gain;
     // A soft law shows nothing below its floor, which may lie above half a level.
-    const double least = PowerFromDb(given_.display.db_min - 40.0);
-    black.noise_after_gain_db =
-        DbFromPower(std::max(least, sim::PowerFromDisplay(given_.display, 0.5 / full_scale)));
+    black.noise_after_gain_db = DbFromPower(
+        std::max(UnshownPower(given_.display), sim::PowerFromDisplay(given_.display, 0.5 / full_scale)));
     black.noise_db = *black.noise_after_gain_db - 100.0;
     p.receiver = black;
     return p;

@@ -84,7 +84,7 @@ class StandardTargetFitter {
 
   // Values of the frames as the peaks show them.
   void Start() {
-    constexpr double kLeastNoise = 1e-9;  // of the peak; a soft display shows none as 0
+    constexpr double kMinNoise = 1e-9;  // of the peak; a soft display may show no noise
     double log_ranges = 0.0;
     for (const TargetSighting& peak : peaks_) log_ranges += std::log(axes_.range_centre_m(peak.bin));
     setting_.reference_range_m = std::exp(log_ranges / static_cast<double>(peaks_.size()));
@@ -95,7 +95,7 @@ class StandardTargetFitter {
       state_.solution.frames.push_back(
           {.range_m = axes_.range_centre_m(peaks_[i].bin),
            .azimuth_rad = axes_.beam_azimuth_rad[peaks_[i].beam],
-           .log_noise = std::log(std::max(peaks_[i].noise_power, kLeastNoise * peaks_[i].peak_power))});
+           .log_noise = std::log(std::max(peaks_[i].noise_power, kMinNoise * peaks_[i].peak_power))});
       const std::vector<double> unit =
           EchoPowerOf(state_.data.windows[i], setting_, state_.solution.echo, state_.solution.frames[i],
                       SensitivityOf(state_.data, {}, state_.data.windows[i]));

@@ -515,7 +515,7 @@ class Unpickler {
     return Expect<std::int64_t>(index, "True or False") != 0;
   }
 
-  // The last value of a key counts. A key may be one long text, recalled ever again: it is looked at once.
+  // The last value of a key counts. One long text may be the key of many items. It is read once.
   PickledDict Result() {
     PickledDict result;
     const auto& items = Expect<Dict>(Pop(), "a dict of arrays").items;

@@ -126,7 +126,7 @@ void Widen(RecordingHeader& header, const OutputDirectory& output) {
   }
 }
 
-// Before hours of work: a recording.json that no command opens must not be written.
+// Refuses before the first frame what no command could read, rather than after hours of work.
 void CheckThatItCanBeRead(RecordingHeader header, const RecordingSource& recording, const fs::path& folder) {
   for (int index = 0; index < recording.frame_count(); ++index) {
     header.frames.push_back(recording.frame_info(index));

@@ -128,11 +128,11 @@ TEST(LocateRecording, AFolderThatHoldsOneRecordingStandsForIt) {
 }
 
 // A user without the rights of root.
-TEST(LocateRecording, AFileThatCannotBeReadIsInNobodysWay) {
+TEST(LocateRecording, AFileThatCannotBeReadHidesNoRecording) {
   const testing::TempDir dir;
   std::filesystem::permissions(dir.path(), std::filesystem::perms(0755));
   WriteBrokenAris(dir / "dive.aris");
-  testing::WriteFile(dir / "notes.txt", "for nobody's eyes");
+  testing::WriteFile(dir / "notes.txt", "not for everybody");
   std::filesystem::permissions(dir / "notes.txt", std::filesystem::perms::none);
   const pid_t child = fork();
   if (child == 0) {

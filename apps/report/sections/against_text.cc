@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace sonarcal::report {
@@ -47,11 +48,13 @@ std::string AgainstText(const metrics::Against& against) {
       text += fmt::format("  {:<24}  {:.0f} % of the way to the floor\n", "", 100.0 * *change.explained);
     }
   }
-  text += fmt::format("  all {} figures: {} better, {} worse, {} the same, {} within the noise\n",
+  const auto not_judged = std::ranges::count(against.figures, false, &metrics::FigureChange::is_judged);
+  text += fmt::format("  all {} figures: {} better, {} worse, {} the same, {} within the noise",
                       against.figures.size(), against.Count(metrics::ChangeVerdict::kBetter, false),
                       against.Count(metrics::ChangeVerdict::kWorse, false),
                       against.Count(metrics::ChangeVerdict::kSame, false),
-                      against.Count(metrics::ChangeVerdict::kNotTold, false));
+                      against.Count(metrics::ChangeVerdict::kNotTold, false) - not_judged);
+  text += not_judged > 0 ? fmt::format(", {} cannot be told\n", not_judged) : "\n";
   for (const std::string& note : against.notes) text += "  note: " + note + "\n";
   return text;
 }

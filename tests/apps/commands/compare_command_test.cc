@@ -242,6 +242,28 @@ TEST_F(CompareCommand, ARegionOfInterestHoldsTheObject) {
   EXPECT_EQ(RunSonarcal(Arguments("--region-range 100:200")).status, 1);
 }
 
+// The recording has no poses. A simulation that stands still leaves it assumed to be static, which is noted.
+TEST(CompareRecordings, NoFloorIsMeasuredWhereTheSimulationMoves) {
+  RecordingInfo info;
+  const auto frames = [&](const std::vector<std::optional<double>>& x_m) {
+    std::vector<Frame> made;
+    for (std::size_t i = 0; i < x_m.size(); ++i) {
+      Frame frame{{.name = "", .time_s = {}, .world_from_sonar = {}}, testing::SpeckledBlock(i + 1)};
+      if (x_m[i]) frame.info.world_from_sonar = Pose{Eigen::Quaterniond::Identity(), {*x_m[i], 0.0, 0.0}};
+      info.sonar.axes = frame.image.axes;
+      info.scale = frame.image.scale;
+      made.push_back(std::move(frame));
+    }
+    return MemoryRecording(info, std::move(made));
+  };
+  const MemoryRecording real = frames({{}, {}, {}});
+  const metrics::MetricsReport moves = workflow::CompareRecordings(real, frames({0.0, 1.0, 1.0}), {});
+  EXPECT_EQ(moves.noise_floor.real_against_real.pairs.size(), 1U);
+  const metrics::MetricsReport still = workflow::CompareRecordings(real, frames({0.0, 0.0, 0.0}), {});
+  EXPECT_EQ(still.noise_floor.real_against_real.pairs.size(), 2U);
+  EXPECT_THAT(still.notes, ::testing::Contains(HasSubstr("assumed to show a static scene")));
+}
+
 TEST(CompareRecordings, SamplesInvalidInEitherRecordingAreLeftOut) {
   const PolarImage image = testing::SpeckledBlock(1);
   RecordingInfo info;

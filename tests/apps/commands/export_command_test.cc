@@ -188,7 +188,7 @@ TEST_F(ExportCommandTest, WhatNoExportWroteIsNotReplaced) {
   const std::string npz = "--to npz --recording " + Quoted(dir_ / "rec");
   const Outcome refused = Export(npz + Out("thesis.txt"));
   EXPECT_EQ(refused.status, 1);
-  EXPECT_THAT(refused.err, HasSubstr("thesis.txt: exists, and there is no thesis.txt.provenance.json"));
+  EXPECT_THAT(refused.err, HasSubstr("thesis.txt: exists, and no earlier run of this command wrote it"));
   EXPECT_EQ(testing::ReadFile(dir_ / "thesis.txt"), "mine");
   EXPECT_EQ(Export(npz + Out("rec/frame_0000.png")).status, 1);
   const std::string dave = "--to dave --sonar p900-45 --params " + Quoted(dir_ / "p.json");
@@ -198,9 +198,16 @@ TEST_F(ExportCommandTest, WhatNoExportWroteIsNotReplaced) {
   EXPECT_EQ(testing::ReadFile(dir_ / "p.json"), kParameters);
   EXPECT_EQ(Export(npz + Out("thesis.txt") + " --force").status, 0);
   EXPECT_EQ(Export(npz + Out("thesis.txt")).status, 0) << "its own file";
-  const Outcome converted = RunSonarcal("convert " + Quoted(dir_ / "rec") + " --out " + Quoted(dir_ / "rec"));
-  EXPECT_EQ(converted.status, 2);
-  EXPECT_THAT(converted.err, HasSubstr("which this command reads"));
+  const std::filesystem::path folder = dir_ / "rec";
+  for (const std::filesystem::path& read : {folder, folder / "recording.json", dir_ / "only"}) {
+    if (read.filename() == "only") {
+      std::filesystem::create_directory(read);
+      std::filesystem::create_directory_symlink(folder, read / "link");
+    }
+    const Outcome converted = RunSonarcal("convert " + Quoted(read) + " --out " + Quoted(folder));
+    EXPECT_EQ(converted.status, 2) << read;
+    EXPECT_THAT(converted.err, HasSubstr("which this command reads")) << read;
+  }
 }
 
 }  // namespace

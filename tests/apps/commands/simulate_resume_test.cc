@@ -175,6 +175,23 @@ TEST_F(SimulateResume, AnInterruptionLeavesARecordingThatCanBeGoneOnWith) {
   EXPECT_EQ(Contents(world_ / "out"), Uninterrupted());
 }
 
+TEST_F(SimulateResume, AnInterruptedSecondRunLeavesTheRecordingOfTheFirst) {
+  ASSERT_EQ(RunSonarcal(Arguments("out", "-q --expected --frames :2")).status, 0);
+  const std::map<std::string, std::string> first = Contents(world_ / "out");
+  const int status = EndAt(3, SIGINT, "-q");
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  const std::string sentence = ReadFile(world_ / "err");
+  EXPECT_TRUE(IsOneSentence(sentence)) << sentence;
+  EXPECT_THAT(sentence, HasSubstr("stays as it was"));
+  std::map<std::string, std::string> kept = Contents(world_ / "out");
+  EXPECT_EQ(kept.erase(".out.unfinished"), 1U);
+  EXPECT_EQ(kept, first);
+  const Outcome resumed = RunSonarcal(Arguments("out", "-q --resume"));
+  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_EQ(Contents(world_ / "out"), Uninterrupted());
+}
+
 // A frame of this many rays takes many seconds.
 TEST_F(SimulateResume, ASlowFrameIsGivenUpAtAnInterruption) {
   const Outcome some = RunSonarcal(Arguments("out", "-q --frames :2"));

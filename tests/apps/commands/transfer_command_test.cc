@@ -138,5 +138,12 @@ TEST_F(TransferCommand, MistakesAreRefusedInOneSentence) {
   EXPECT_THAT(refusal("--object box", 1, "three_masks"), HasSubstr("has 3 masks, expected one for each"));
 }
 
+TEST_F(TransferCommand, NoRecordingIsTrainedOnAndTested) {
+  const Outcome outcome = RunSonarcal(Arguments("--train-masks " + Quoted(world_ / "masks"), "train"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("is given for training and for the test"));
+}
+
 }  // namespace
 }  // namespace sonarcal::commands

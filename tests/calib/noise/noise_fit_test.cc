@@ -340,6 +340,17 @@ TEST(NoiseFitTest, TheStartFollowsTheDisplay) {
   }
 }
 
+// A still picture that is repeated: its pings do not differ, and tell no more than one of them.
+TEST(NoiseFitTest, EqualPingsAreNotTakenForCertain) {
+  const Source source(Logarithm(1.0));
+  const Frame frame = source.Draw(1, 7).ReadFrame(0);
+  const NoiseFit fit = FitNoise(MemoryRecording(source.info, std::vector<Frame>(6, frame)), {});
+  const FittedParameter* noise = fit.report.Find("receiver.noise_db");
+  ASSERT_NE(noise, nullptr);
+  ASSERT_TRUE(noise->sigma.has_value());
+  EXPECT_GT(*noise->sigma, 0.01);
+}
+
 TEST(NoiseFitTest, NoCandidateIsChosenThatHasNotConverged) {
   Source source(Logarithm(1.0));
   source.info.scale.db_span = 80.0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -154,6 +155,17 @@ TEST(ParameterCatalog, BeamsStayWithinAFactorOfTwoOfTheWidthsThatTheSonarStates)
     EXPECT_EQ(Find(known, name).lower, Find(unknown, name).lower) << name;
     EXPECT_EQ(Find(known, name).upper, Find(unknown, name).upper) << name;
   }
+}
+
+// A prior of "none" is one that does not pull.
+TEST(ParameterCatalog, AStepHasTheScaleOfThePriorIfItPulls) {
+  CatalogEntry entry;
+  entry.typical_step = 2.0;
+  EXPECT_EQ(entry.StepSigma(), 2.0);
+  entry.prior = Prior{.coordinate = 0.0, .sigma = 0.5};
+  EXPECT_EQ(entry.StepSigma(), 0.5);
+  entry.prior->sigma = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(entry.StepSigma(), 2.0);
 }
 
 }  // namespace

@@ -185,6 +185,20 @@ TEST_F(StandardTargetFitTest, MovedSphereGivesBeamsElevationAndGainWithRange) {
   EXPECT_LT(std::sqrt(in_sigmas / count), 1.5);
 }
 
+// A sphere that stays near one elevation does not tell the width. No width is made up then.
+TEST_F(StandardTargetFitTest, AnUnknownElevationWidthIsNotTakenForKnown) {
+  RecordShortRanges();
+  PlaceSphere(20, 3.0, 3.3, 3.0, 0.5);
+  recording_.with_poses = true;
+  recording_.sonar.elevation_beam_width_deg = 0.0;
+  const StandardTargetFit fit = Fit();
+  ASSERT_TRUE(fit.usable);
+  EXPECT_THAT(fit.elevation_unknown, ::testing::HasSubstr("the elevation beam width is not stated"));
+  EXPECT_NEAR(fit.level_db, TruthLevelDb(), 0.1);
+  const FittedParameter* width = fit.report.Find("beam.elevation_width_deg");
+  EXPECT_TRUE(width == nullptr || !width->sigma);
+}
+
 // Over many recordings, errors are as large as their standard errors say.
 TEST_F(StandardTargetFitTest, StandardErrorsHold) {
   RecordShortRanges();

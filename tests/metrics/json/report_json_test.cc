@@ -72,6 +72,8 @@ TEST(AgainstJsonTest, VerdictsAreCountedForHeadlinesAndForAll) {
   EXPECT_EQ(json["not_told"], 1);
   EXPECT_EQ(json["all_figures"], (Json{{"better", 2}, {"worse", 1}, {"same", 1}, {"not_told", 1}}));
   EXPECT_EQ(json["earlier"], "a.json");
+  against.unknown = {"iou, polar (too few frames)"};
+  EXPECT_TRUE(AgainstJson(against)["worse"].is_null()) << "a limit on it counts as exceeded";
   EXPECT_EQ(json["method"], "whether the two 95 % intervals are apart; too few frames stand in both");
   EXPECT_EQ(json["figures"][0], (Json{{"view", "fan"},
                                       {"figure", "iou"},
