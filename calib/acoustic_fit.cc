@@ -527,9 +527,11 @@ class AcousticFitter {
     if (!start_costs_.empty()) report.start_costs = start_costs_;
     report.cost_initial = cost_initial_;
     report.iterations = iterations_;
-    if (!settled_) {
-      report.termination += fmt::format("; beam, pulse or poses still moved after {} rounds of tracing",
-                                        poses_.empty() ? kJointRounds : options_.joint_steps);
+    if (result.usable && !settled_) {
+      report.warnings.push_back(fmt::format(
+          "beam, pulse or poses still moved when the fit ended, after {} rounds of tracing: their "
+          "values may still change, and the standard errors do not hold",
+          poses_.empty() ? kJointRounds : options_.joint_steps));
     }
     return result;
   }

@@ -85,7 +85,7 @@ class Fitter {
       if (!FreezeUndetermined()) break;
     }
     report_.solve_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    Finish();
+    Finish(usable);
     return {.values = state_.values, .report = std::move(report_), .usable = usable};
   }
 
@@ -241,6 +241,7 @@ class Fitter {
                     model_.frame_count() == 1 ? "" : "s"));
     SolveSummary summary = SolveFit(model, catalog_, limits, options_.stop, state_);
     report_.iterations += summary.iterations;
+    report_.converged = summary.converged;
     report_.termination = std::move(summary.termination);
     if (summary.usable) report_.cost_final = summary.cost;
     return summary.usable;
@@ -299,6 +300,7 @@ class Fitter {
     const ParameterValues values = state_.values;
     const double cost = report_.cost_final;
     const std::string termination = report_.termination;
+    const bool converged = report_.converged;
     for (const ParameterValues& start : starts) {
       state_.values = start;
       if (SolveInOrder() && report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) return true;
@@ -306,6 +308,7 @@ class Fitter {
     state_.values = values;
     report_.cost_final = cost;
     report_.termination = termination;
+    report_.converged = converged;
     return false;
   }
 
@@ -391,7 +394,7 @@ class Fitter {
     return ReportedNormal{.value = value, .sigma = entry.prior->sigma * entry.ValueSlope(value)};
   }
 
-  void Finish() {
+  void Finish(bool usable) {
     std::vector<std::optional<double>> sigma(catalog_.size());
     if (covariance_.rows() == static_cast<Eigen::Index>(interior_.size())) {
       for (std::size_t i = 0; i < interior_.size(); ++i) {
@@ -419,6 +422,12 @@ class Fitter {
                                     .prior = ReportedPrior(i)});
     }
     DescribeGauge();
+    if (usable && !report_.converged) {
+      report_.warnings.push_back(
+          fmt::format("the fit reached max_iterations = {} before it converged: its values may still change, "
+                      "and the standard errors do not hold",
+                      options_.max_iterations));
+    }
     for (int frame = 0; frame < model_.frame_count(); ++frame) {
       report_.frames_used.push_back(model_.frame_index(frame));
     }

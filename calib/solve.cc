@@ -123,6 +123,7 @@ class BoundedSolve {
     ceres::Solve(solver, &problem_, &summary);
     result.usable = summary.IsSolutionUsable();
     result.cost = summary.final_cost;
+    result.converged = watch_.converged || summary.termination_type == ceres::CONVERGENCE;
     result.termination = watch_.converged
                              ? "converged: further steps would lower the cost by less than the tolerance"
                              : summary.message;

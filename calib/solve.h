@@ -18,7 +18,8 @@ struct SolveLimits {
 
 struct SolveSummary {
   bool usable = false;
-  double cost = 0.0;  // half the sum of squares, including priors
+  bool converged = false;  // false: the limit of iterations ended it
+  double cost = 0.0;       // half the sum of squares, including priors
   int iterations = 0;
   std::string termination;
 };

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <span>
@@ -61,6 +62,18 @@ LedgerState StateOf(const Json& line) {
 }
 
 }  // namespace
+
+void BatchLedger::CheckFolder() const {
+  if (fs::exists(file_)) return;
+  // A batch that was killed before its first job has only these.
+  const auto is_of_batch = [](const fs::directory_entry& entry) {
+    return entry.path().filename() == "locks" || entry.path().filename() == "logs";
+  };
+  const fs::path folder = file_.parent_path();
+  if (std::ranges::all_of(fs::directory_iterator(folder), is_of_batch)) return;
+  throw DataError("{}: holds files and no {}, expected a new folder or that of a batch", folder.string(),
+                  file_.filename().string());
+}
 
 const std::map<std::string, LedgerState>& BatchLedger::Read() {
   std::ifstream stream(file_, std::ios::binary);

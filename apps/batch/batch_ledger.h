@@ -30,6 +30,9 @@ class BatchLedger {
 
   const std::filesystem::path& file() const { return file_; }
 
+  // Throws DataError if the folder holds files, but is not that of a batch.
+  void CheckFolder() const;
+
   // Returns the states per job, including lines of other processes since the last call. Ignores an incomplete
   // last line, such as after a power failure. Throws DataError for any other invalid line.
   const std::map<std::string, LedgerState>& Read();

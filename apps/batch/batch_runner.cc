@@ -35,8 +35,8 @@ struct BatchRunner::Running {
 BatchRunner::BatchRunner(BatchPlan plan, const fs::path& out, const BatchSettings& settings)
     : plan_(std::move(plan)), out_(out), settings_(settings), ledger_(out) {
   for (const BatchJob& job : plan_.jobs) {
-    const LedgerState* state = StateOf(job);
-    if (state != nullptr && state->key != job.key) {
+    const std::optional<LedgerState> state = StateOf(job);
+    if (state && state->key != job.key) {
       throw DataError(
           "{}: the job {} was started with other options or other inputs, expected the present ones: use "
           "another --out, or restore the files",
@@ -45,22 +45,25 @@ BatchRunner::BatchRunner(BatchPlan plan, const fs::path& out, const BatchSetting
   }
 }
 
-const LedgerState* BatchRunner::StateOf(const BatchJob& job) {
+std::optional<LedgerState> BatchRunner::StateOf(const BatchJob& job) {
   const auto& states = ledger_.Read();
   const auto found = states.find(job.id);
-  return found == states.end() ? nullptr : &found->second;
+  if (found == states.end()) return std::nullopt;
+  LedgerState state = found->second;
+  if (state.event == LedgerState::Event::kDone && !fs::exists(out_ / job.id))
+    state.event = LedgerState::Event::kStarted;
+  return state;
 }
 
 bool BatchRunner::IsDone(const BatchJob& job) {
-  const LedgerState* state = StateOf(job);
-  return state != nullptr && state->event == LedgerState::Event::kDone;
+  const std::optional<LedgerState> state = StateOf(job);
+  return state && state->event == LedgerState::Event::kDone;
 }
 
 std::vector<LedgerState> BatchRunner::States() {
   std::vector<LedgerState> states;
   for (const BatchJob& job : plan_.jobs) {
-    const LedgerState* state = StateOf(job);
-    states.push_back(state == nullptr ? LedgerState{} : *state);
+    states.push_back(StateOf(job).value_or(LedgerState{}));
   }
   return states;
 }
@@ -98,8 +101,8 @@ std::vector<std::string> BatchRunner::CommandLineOf(const BatchJob& job) const {
 bool BatchRunner::TakeFoundOutput(const BatchJob& job) {
   const fs::path output = out_ / job.id;
   if (!fs::exists(output)) return false;
-  const LedgerState* state = StateOf(job);
-  if (state == nullptr) {
+  const std::optional<LedgerState> state = StateOf(job);
+  if (!state) {
     throw DataError("{}: exists, but is not in the ledger: move it away, or use another --out",
                     output.string());
   }
@@ -136,7 +139,7 @@ bool BatchRunner::RunAll(const std::function<void(const BatchJob& job, const Led
   }
   std::list<Running> running;
   const auto end = [&](const BatchJob& job) {
-    const LedgerState& state = *StateOf(job);
+    const LedgerState state = *StateOf(job);
     succeeded[job.id] = state.event == LedgerState::Event::kDone;
     on_job(job, state);
   };
@@ -197,11 +200,9 @@ LedgerState BatchRunner::RunOnly(const std::string& id) {
   const BatchJob& job = *found;
   const JobLock lock(out_, id, /*wait=*/true);
   if (IsDone(job)) return *StateOf(job);
-  for (const std::string& id_before : job.after) {
-    const auto& states = ledger_.Read();
-    const auto before = states.find(id_before);
-    if (before == states.end() || before->second.event != LedgerState::Event::kDone)
-      throw DataError("the job {} needs {}, which is not done", id, id_before);
+  for (const BatchJob& before : plan_.jobs) {
+    if (std::ranges::find(job.after, before.id) != job.after.end() && !IsDone(before))
+      throw DataError("the job {} needs {}, which is not done", id, before.id);
   }
   if (!TakeFoundOutput(job)) {
     ledger_.Started(job.id, job.key);

@@ -45,7 +45,8 @@ class BatchRunner {
 
   std::filesystem::path LogOf(const BatchJob& job) const;
   std::vector<std::string> CommandLineOf(const BatchJob& job) const;
-  const LedgerState* StateOf(const BatchJob& job);
+  // State by the ledger; absent: not in it. A job that is done and whose output was deleted has to run again.
+  std::optional<LedgerState> StateOf(const BatchJob& job);
   bool IsDone(const BatchJob& job);
   // Records and returns true if the complete output exists, from a run that was killed before it recorded
   // this.

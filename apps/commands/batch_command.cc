@@ -116,7 +116,10 @@ cli::ExitStatus RunBatch(const BatchOptions& options, const CLI::App& root) {
   CheckOptions(options);
   const fs::path out = data_io::PlainFolder(options.out);
   batch::BatchPlan plan = batch::ReadBatchPlan(options.plan, out, root);
-  if (!options.dry_run) fs::create_directories(out);
+  if (!options.dry_run) {
+    fs::create_directories(out);
+    batch::BatchLedger(out).CheckFolder();
+  }
   batch::BatchRunner runner(std::move(plan), out,
                             {.processes = options.processes, .threads = options.threads});
   if (options.dry_run) return ListJobs(options, runner.plan(), runner.States());

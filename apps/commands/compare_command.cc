@@ -203,7 +203,7 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
     throw UsageError("--sweep-csv needs --sweep-steps of 2 or more");
   workflow::CompareOptions compare = options.compare;
   compare.frames = compared.frames;
-  compare.noise_floor = !options.part;
+  compare.whole = !options.part;
   if (compared.measured) compare.measured = &*compared.measured;
   const std::filesystem::path scene_file = SceneFileOf(options, *real, *simulated);
   std::optional<Scene> scene;

@@ -272,9 +272,27 @@ cli::ExitStatus ExportConfiguration(const ExportOptions& options, const Simulato
   return cli::ExitStatus::kDone;
 }
 
+// Prints which properties of a recording pictures cannot hold.
+void NoteWhatPicturesLose(const ExportOptions& options, const RecordingSource& recording) {
+  bool with_times = false;
+  bool with_poses = false;
+  for (int i = 0; i < recording.frame_count(); ++i) {
+    const FrameInfo frame = recording.frame_info(i);
+    with_times = with_times || frame.time_s.has_value();
+    with_poses = with_poses || frame.world_from_sonar.has_value();
+  }
+  std::vector<std::string> lost;
+  // A video keeps the frame rate.
+  if (with_times && options.to == ExportTarget::kPng) lost.emplace_back("the times of the frames");
+  if (with_poses) lost.emplace_back("the poses");
+  if (recording.info().water) lost.emplace_back("the water");
+  if (recording.info().valid) lost.emplace_back("which samples hold no measurement");
+  if (!lost.empty())
+    cli::PrintNote(options.common, fmt::format("not in pictures: {}", fmt::join(lost, ", ")));
+}
+
 // Prints which properties of a recording a bag cannot hold.
-void NoteWhatIsLost(const ExportOptions& options, const RecordingInfo& info) {
-  if (options.to != ExportTarget::kRos1Bag && options.to != ExportTarget::kMcap) return;
+void NoteWhatBagsLose(const ExportOptions& options, const RecordingInfo& info) {
   const bool is_mcap = options.to == ExportTarget::kMcap;
   std::vector<std::string> lost;
   if (info.water) lost.emplace_back("the water");
@@ -345,7 +363,10 @@ cli::ExitStatus ExportRecording(const ExportOptions& options) {
     recording = std::make_unique<data_io::RecalibratedRecording>(std::move(recording),
                                                                  workflow::ChooseSonar(options.sonar).sonar);
   }
-  NoteWhatIsLost(options, recording->info());
+  if (options.to == ExportTarget::kRos1Bag || options.to == ExportTarget::kMcap)
+    NoteWhatBagsLose(options, recording->info());
+  if (options.to == ExportTarget::kPng || options.to == ExportTarget::kMp4)
+    NoteWhatPicturesLose(options, *recording);
   const cli::Provenance provenance{.command = "export",
                                    .configuration = Configuration(options),
                                    .inputs = {options.recording, cli::SonarFile(options.sonar),

@@ -16,6 +16,7 @@
 #include "apps/workflow/scene_geometry.h"
 #include "core/types/error.h"
 #include "core/types/pose.h"
+#include "core/types/units.h"
 #include "metrics/json/against.h"
 
 namespace sonarcal::workflow {
@@ -28,8 +29,7 @@ void CheckScales(const ImageScale& real, const ImageScale& simulated, double tol
     if (!a || !b || std::abs(*a - *b) <= tolerance_db) return;
     throw DataError(
         "{}: the real recording shows {:g} dB there, the simulated one {:g} dB; give both the same display, "
-        "or "
-        "compare grey levels with --as-displayed",
+        "or compare grey levels with --as-displayed",
         field, *a, *b);
   };
   check("db_min", real.db_min, simulated.db_min);
@@ -375,6 +375,32 @@ std::map<int, metrics::PixelBox> ObjectBoxes(const RecordingSource& real, const 
   return boxes;
 }
 
+// Frames are paired by their numbers. Says so if both recordings state poses for them, and they are further
+// apart than the sonar resolves.
+std::optional<std::string> NoteOfPosesApart(const RecordingSource& real, const RecordingSource& simulated,
+                                            const std::vector<int>& frames) {
+  const PolarAxes& axes = real.info().sonar.axes;
+  int apart = 0;
+  double largest_m = 0.0;
+  double largest_rad = 0.0;
+  for (const int frame : frames) {
+    const std::optional<Pose> a = real.frame_info(frame).world_from_sonar;
+    const std::optional<Pose> b = simulated.frame_info(frame).world_from_sonar;
+    if (!a || !b) continue;
+    const double distance_m = (a->position_m - b->position_m).norm();
+    const double turn_rad = a->rotation.angularDistance(b->rotation);
+    if (distance_m <= axes.range_bin_m() && turn_rad <= axes.beam_spacing_rad()) continue;
+    ++apart;
+    largest_m = std::max(largest_m, distance_m);
+    largest_rad = std::max(largest_rad, turn_rad);
+  }
+  if (apart == 0) return std::nullopt;
+  return fmt::format(
+      "frames are paired by number: in {} of {}, the poses that both recordings state are more than a range "
+      "bin or a beam apart, by up to {:.3g} m and {:.3g} deg",
+      apart, frames.size(), largest_m, DegFromRad(largest_rad));
+}
+
 }  // namespace
 
 Comparison Compare(const RecordingSource& real, const RecordingSource& simulated,
@@ -382,7 +408,7 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
                    const Listener& listener, const OnComparedFrame& on_frame) {
   Comparison comparison{.options = {.compare = options.comparison.For(real.info().sonar.axes),
                                     .as_displayed = options.as_displayed,
-                                    .noise_floor = options.noise_floor,
+                                    .noise_floor = options.whole,
                                     .measured = options.measured},
                         .frames = {},
                         .metrics = {}};
@@ -416,6 +442,10 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
   } else {
     metrics.residuals = options.measured->residuals;
     metrics.residuals_by_scene = options.measured->residuals_by_scene;
+  }
+  if (options.whole) {
+    if (const std::optional<std::string> note = NoteOfPosesApart(real, simulated, comparison.frames))
+      metrics.notes.push_back(*note);
   }
   if (options.params) {
     metrics.noise_floor.drawn =

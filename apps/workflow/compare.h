@@ -102,7 +102,7 @@ struct CompareOptions {
   bool as_displayed = false;
   FromFile<std::string> against = {};  // text of an earlier metrics.json
   FromFile<ParameterSet> params = {};
-  bool noise_floor = true;
+  bool whole = true;  // false: a part. Its merge measures the noise floor and compares the poses.
   // All frames, as other runs measured them (metrics/json/comparison_part.h); null: they are compared here.
   const metrics::ComparisonPart* measured = nullptr;
 

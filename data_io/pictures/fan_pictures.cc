@@ -74,6 +74,7 @@ std::string FanPainter::GeometryJson() const {
   } else if (scale.db_min && scale.db_max) {
     add("db_span", *scale.db_max - *scale.db_min);
   }
+  if (info_.synthetic) json["synthetic"] = true;
   json["fan"] = {{"apex_px", {-fan.x_min_m / fan.pixel_m - 0.5, fan.y_max_m / fan.pixel_m - 0.5}},
                  {"radius_px", {polar.range_min_m / fan.pixel_m, polar.range_max_m / fan.pixel_m}},
                  {"half_angle_deg", DegFromRad(half_rad)},

@@ -105,6 +105,7 @@ PictureGeometry ReadPictureGeometry(const std::filesystem::path& file) {
   json.Update("azimuth_beam_width_deg", geometry.azimuth_beam_width_deg, kSonarBeamWidthDeg);
   json.Update("elevation_beam_width_deg", geometry.elevation_beam_width_deg, kSonarBeamWidthDeg);
   geometry.db_span = json.FindNumber("db_span", kRecordedSpanDb);
+  if (const auto synthetic = json.Find("synthetic")) geometry.synthetic = synthetic->Bool();
   const auto polar = json.Find("polar");
   const auto fan = json.Find("fan");
   if (polar && fan) json.Fail("has both 'polar' and 'fan', expected one");
@@ -130,6 +131,7 @@ void PictureGeometry::Describe(RecordingInfo& info) const {
   info.sonar.azimuth_beam_width_deg = azimuth_beam_width_deg;
   info.sonar.elevation_beam_width_deg = elevation_beam_width_deg;
   info.scale.db_span = db_span;
+  info.synthetic = synthetic;
 }
 
 std::string JsonOf(const FanGeometry& fan) {

@@ -6,6 +6,7 @@
 //    "name": "ARIS Explorer 3000", "frequency_hz": 3e6, "sound_speed_m_per_s": 1480,
 //    "azimuth_beam_width_deg": 0.3, "elevation_beam_width_deg": 15,
 //    "db_span": 80,                                from black to white
+//    "synthetic": true,                            made by a simulation
 //    "fan": {"apex_px": [361.9, 1343.0], "radius_px": [309, 1340], "half_angle_deg": 15.13, "x_scale": 1.0,
 //            "beams": 128, "range_bins": 780}}
 //
@@ -47,6 +48,7 @@ struct PictureGeometry {
   double azimuth_beam_width_deg = 0.0;
   double elevation_beam_width_deg = 0.0;
   std::optional<double> db_span = {};
+  bool synthetic = false;  // made by a simulation
 
   struct Polar {
     double azimuth_first_rad = 0.0;
@@ -64,7 +66,7 @@ struct PictureGeometry {
   // Stores a fan that was found, stretched to half_angle_deg if that is known.
   void TakeFound(FanGeometry found);
 
-  // Fills the scale of `info`, and its sonar without the axes.
+  // Fills the scale and the origin of `info`, and its sonar without the axes.
   void Describe(RecordingInfo& info) const;
 
   bool operator==(const PictureGeometry&) const = default;

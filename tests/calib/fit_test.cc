@@ -192,6 +192,32 @@ TEST(LikelihoodFitTest, TheInitialCostContainsThePriorsAsTheFinalOneDoes) {
   EXPECT_LT(fit.report.cost_final, fit.report.cost_initial);
 }
 
+TEST(LikelihoodFitTest, AFitThatItsLimitOfIterationsEndsWarns) {
+  const testing::CurveModel model(
+      {.truth = {.a = 0.126, .b_deg = 5.5, .c = 0.01, .d = 1.3, .e = 0.025, .f_deg = 17.0}});
+  ParameterValues start = model.truth();
+  start[2] *= 4.0;
+  start[3] *= 0.5;
+  const FitConfig config{.free = std::vector<std::string>{"materials"}};
+  FitOptions options;
+  options.starts = 1;
+  options.threads = 1;
+  options.test_others = false;
+  const ModelFit whole = Fit(model, start, config, options);
+  ASSERT_TRUE(whole.usable);
+  EXPECT_TRUE(whole.report.converged) << whole.report.termination;
+  EXPECT_THAT(whole.report.warnings, ::testing::IsEmpty());
+  ASSERT_GT(whole.report.iterations, 2);
+
+  options.max_iterations = 1;
+  const ModelFit cut = Fit(model, start, config, options);
+  ASSERT_TRUE(cut.usable);
+  EXPECT_FALSE(cut.report.converged) << cut.report.termination;
+  ASSERT_EQ(cut.report.warnings.size(), 1U);
+  EXPECT_THAT(cut.report.warnings.front(),
+              ::testing::HasSubstr("the fit reached max_iterations = 1 before it converged"));
+}
+
 TEST_F(PaperFitTest, InvalidFitConfigurationsAreRefused) {
   const std::vector<FitFrame> frames = NoisyFrames(11);
   const auto fit = [&](const FitConfig& config, const std::vector<FitFrame>& with) {

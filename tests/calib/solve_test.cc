@@ -72,6 +72,7 @@ TEST_F(BoundedSolve, NothingMovesIfBoundsStopEveryValue) {
   ASSERT_TRUE(solved.usable) << solved.termination;
   EXPECT_DOUBLE_EQ(state_.values[kD], 1.0);
   EXPECT_NEAR(solved.cost, cost, 1e-9 * cost);
+  EXPECT_TRUE(solved.converged);
   EXPECT_FALSE(solved.termination.empty());
 }
 

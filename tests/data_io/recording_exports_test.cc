@@ -450,7 +450,9 @@ TEST(FanPicturesTest, EverySonarOfARecordingReadsBack) {
     EXPECT_EQ(geometry.azimuth_beam_width_deg, 360.0);
     EXPECT_EQ(geometry.elevation_beam_width_deg, 360.0);
     EXPECT_EQ(geometry.range_max_m, 1e5);
+    EXPECT_EQ(geometry.synthetic, info.synthetic);
     EXPECT_EQ(geometry.sound_speed_m_per_s, sound_speed_m_per_s);
+    info.synthetic = true;
     WriteSonarFile(dir / "sonar.json", info);
     EXPECT_EQ(ReadSonarFile(dir / "sonar.json").sonar.sound_speed_m_per_s, sound_speed_m_per_s);
   }

@@ -7,13 +7,26 @@
 #include "data_io/open_recording.h"
 
 namespace sonarcal::workflow {
+namespace {
+
+// True for a recording of these frames alone, in their order; false for one with the same numbers.
+bool HoldsOnly(const RecordingSource& recording, const std::vector<int>& frames) {
+  return !frames.empty() && recording.frame_count() == static_cast<int>(frames.size()) &&
+         *std::ranges::max_element(frames) >= recording.frame_count();
+}
+
+}  // namespace
 
 void PartialRecording::Add(std::unique_ptr<RecordingSource> part, const std::vector<int>& frames) {
-  if (part->frame_count() != static_cast<int>(frames.size())) {
-    throw DataError("{}: has {} frames, expected {}, those of a part of {}", part->info().source,
-                    part->frame_count(), frames.size(), whole_.info().source);
+  const bool holds_only = HoldsOnly(*part, frames);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const int at = holds_only ? static_cast<int>(i) : frames[i];
+    if (at >= part->frame_count()) {
+      throw DataError("{}: has {} frames, expected {}, those of a part of {}", part->info().source,
+                      part->frame_count(), frames.size(), whole_.info().source);
+    }
+    frames_[frames[i]] = {part.get(), at};
   }
-  for (std::size_t i = 0; i < frames.size(); ++i) frames_[frames[i]] = {part.get(), static_cast<int>(i)};
   parts_.push_back(std::move(part));
 }
 
@@ -32,9 +45,7 @@ Frame PartialRecording::ReadFrame(int index) const {
 std::unique_ptr<RecordingSource> WithNumbersOf(const RecordingSource& real,
                                                std::unique_ptr<RecordingSource> simulated,
                                                const std::vector<int>& asked) {
-  const bool is_part = !asked.empty() && simulated->frame_count() == static_cast<int>(asked.size()) &&
-                       *std::ranges::max_element(asked) >= simulated->frame_count();
-  if (!is_part) return simulated;
+  if (!HoldsOnly(*simulated, asked)) return simulated;
   auto partial = std::make_unique<PartialRecording>(real);
   partial->Add(std::move(simulated), asked);
   return partial;

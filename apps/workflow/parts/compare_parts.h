@@ -14,14 +14,15 @@
 
 namespace sonarcal::workflow {
 
-// Recordings of some frames each, as one recording with the numbers of a longer one. Frames that none of them
+// Recordings that show some frames each, as one recording with the numbers of a longer one. Frames that none of them
 // holds have the time and pose of the longer recording, and cannot be read.
 class PartialRecording final : public RecordingSource {
  public:
   // `whole` must outlive this.
   explicit PartialRecording(const RecordingSource& whole) : whole_(whole) {}
 
-  // Adds a recording with these frames, in this order. Throws DataError if it has another number of frames.
+  // Adds a recording with these frames: of them alone, in their order, or with the same numbers. Throws
+  // DataError if it is too short.
   void Add(std::unique_ptr<RecordingSource> part, const std::vector<int>& frames);
 
   // After Add.

@@ -251,6 +251,20 @@ TEST_F(BatchTest, RangesOfARecordingAreMergedToTheComparisonOfTheWhole) {
   EXPECT_EQ(merged.at("macro"), whole.at("macro"));
   for (const char* key : {"noise_floor", "residuals", "threshold_sweep", "segmentation", "notes", "ci"})
     ExpectSame(merged.at(key), whole.at(key), key);
+  // The merge takes a part that was compared with a simulation of all frames, too.
+  ASSERT_EQ(
+      RunSonarcal(fmt::format("compare -q --part --frames 1:2 --pictures 0 --real {} --sim {} --scene {} "
+                              "--out {}",
+                              Quoted(recorded_), Quoted(world_ / "all"), Quoted(world_.scene()),
+                              Quoted(world_ / "of_all")))
+          .status,
+      0);
+  const Outcome mixed = RunSonarcal(fmt::format(
+      "compare -q --real {} --scene {} --merge {},{},{},{} --out {}", Quoted(recorded_),
+      Quoted(world_.scene()), Quoted(world_ / "out/part/0000"), Quoted(world_ / "of_all"),
+      Quoted(world_ / "out/part/0002"), Quoted(world_ / "out/part/0003"), Quoted(world_ / "mixed")));
+  ASSERT_EQ(mixed.status, 0) << mixed.err;
+  EXPECT_EQ(ReadJsonFile(world_ / "mixed" / "metrics.json").at("frames"), whole.at("frames"));
   // A part is missing.
   const Outcome missing = RunSonarcal(fmt::format(
       "compare -q --real {} --scene {} --merge {},{} --out {}", Quoted(recorded_), Quoted(world_.scene()),
@@ -401,6 +415,31 @@ TEST_F(BatchTest, ASlashAfterTheFolderIsTheSameFolder) {
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(RunSonarcal(Batch("out")).status, 0);
   EXPECT_EQ(CountOf(world_ / "out", "started"), 4) << "no job is run twice";
+}
+
+TEST_F(BatchTest, AJobWhoseOutputWasDeletedRunsAgain) {
+  WritePlan("48x100", "1");
+  ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
+  const auto whole = OutputsOf(world_ / "out", {"sim", "judged"});
+  fs::remove_all(world_ / "out" / "sim" / "0001");
+  const Outcome listed = RunSonarcal(Batch("out", "--dry-run --json"));
+  EXPECT_EQ(Json::parse(listed.out).at("jobs").at(1).at("state"), "waiting");
+  ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
+  EXPECT_EQ(OutputsOf(world_ / "out", {"sim", "judged"}), whole);
+  EXPECT_EQ(CountOf(world_ / "out", "started"), 5);
+}
+
+TEST_F(BatchTest, AFolderOfOtherFilesIsRefused) {
+  WritePlan("48x100", "1");
+  const std::string before = testing::ReadFile(recorded_ / "recording.json");
+  const Outcome outcome = RunSonarcal(Batch("recorded"));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("holds files and no ledger.jsonl"));
+  EXPECT_EQ(testing::ReadFile(recorded_ / "recording.json"), before);
+  EXPECT_FALSE(fs::exists(recorded_ / "ledger.jsonl"));
+  // What a batch leaves that was killed before its first job.
+  fs::create_directories(world_ / "out" / "locks" / "sim");
+  EXPECT_EQ(RunSonarcal(Batch("out")).status, 0);
 }
 
 TEST_F(BatchTest, DryRunListsAndDoesNothing) {

@@ -107,6 +107,26 @@ TEST_F(CompareCommand, OtherNumbersOfFramesNeedFrames) {
   EXPECT_EQ(RunSonarcal(Arguments("--frames 0:3")).status, 1);
 }
 
+// The frames of the second recording start two later, which only the poses tell.
+TEST_F(CompareCommand, PairsWhosePosesAreApartAreNamed) {
+  const auto pose_notes = [&] {
+    std::vector<std::string> notes;
+    for (const std::string note : testing::ReadJsonFile(world_ / "out/metrics.json")["notes"])
+      if (note.starts_with("frames are paired by number")) notes.push_back(note);
+    return notes;
+  };
+  ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
+  EXPECT_THAT(pose_notes(), ::testing::IsEmpty());
+  ASSERT_EQ(
+      RunSonarcal("convert -q " + Quoted(simulated_) + " --frames 2:4 --out " + Quoted(world_ / "later"))
+          .status,
+      0);
+  simulated_ = world_ / "later";
+  ASSERT_EQ(RunSonarcal(Arguments("--frames 0:2 --force")).status, 0);
+  ASSERT_EQ(pose_notes().size(), 1U);
+  EXPECT_THAT(pose_notes().front(), HasSubstr("in 2 of 2, the poses"));
+}
+
 TEST_F(CompareCommand, OtherDisplaysAreRefusedUnlessAsked) {
   ParameterSet parameters = testing::TinyParameters();
   parameters.display.db_max += 3.0;

@@ -111,6 +111,7 @@ TEST_F(ExportCommandTest, ExportedRecordingsReadBackInEveryFormat) {
     if (to == "npz") continue;  // read by NumPy in data_io_exports_test
     const auto read = data_io::OpenRecording(dir_ / name);
     EXPECT_EQ(read->frame_count(), 2) << name;
+    if (to == "png" || to == "mp4") EXPECT_TRUE(read->info().synthetic) << name;
     EXPECT_NEAR(read->ReadFrame(0).image.value(20, 10), 20.0, 3.0) << name;  // MPEG-4 loses some
   }
   EXPECT_TRUE(std::filesystem::exists(dir_ / "a.bag.provenance.json"));
@@ -121,6 +122,7 @@ TEST_F(ExportCommandTest, OnlyAFolderOfPicturesMayEndInASlash) {
   const std::string recording = " --recording " + Quoted(dir_ / "rec");
   const Outcome pictures = Export("--to png" + recording + Out("pictures/"));
   EXPECT_EQ(pictures.status, 0) << pictures.err;
+  EXPECT_THAT(pictures.err, HasSubstr("not in pictures: the times of the frames"));
   EXPECT_EQ(data_io::OpenRecording(dir_ / "pictures")->frame_count(), 3);
   const Outcome file = Export("--to npz" + recording + Out("file/"));
   EXPECT_EQ(file.status, 2);

@@ -344,7 +344,10 @@ TEST(NoiseFitTest, TheStartFollowsTheDisplay) {
 TEST(NoiseFitTest, EqualPingsAreNotTakenForCertain) {
   const Source source(Logarithm(1.0));
   const Frame frame = source.Draw(1, 7).ReadFrame(0);
-  const NoiseFit fit = FitNoise(MemoryRecording(source.info, std::vector<Frame>(6, frame)), {});
+  NoiseFitOptions options;
+  options.choose_held_out = false;
+  options.hold_out_bands = true;
+  const NoiseFit fit = FitNoise(MemoryRecording(source.info, std::vector<Frame>(6, frame)), options);
   const FittedParameter* noise = fit.report.Find("receiver.noise_db");
   ASSERT_NE(noise, nullptr);
   ASSERT_TRUE(noise->sigma.has_value());

@@ -187,8 +187,7 @@ TEST_F(StandardTargetFitTest, MovedSphereGivesBeamsElevationAndGainWithRange) {
 
 // A sphere that stays near one elevation does not tell the width. No width is made up then.
 TEST_F(StandardTargetFitTest, AnUnknownElevationWidthIsNotTakenForKnown) {
-  RecordShortRanges();
-  PlaceSphere(20, 3.0, 3.3, 3.0, 0.5);
+  PlaceSphere(60, 2.3, 5.2, 12.0, 1.5);
   recording_.with_poses = true;
   recording_.sonar.elevation_beam_width_deg = 0.0;
   const StandardTargetFit fit = Fit();
