@@ -305,7 +305,7 @@ void AddCompareOptions(CLI::App* command, CompareCommandOptions* options) {
   command
       ->add_option("--merge", options->merge,
                    "Folders of --part runs with the same options, which together have all frames")
-      ->type_name("DIR,DIR,...")
+      ->type_name("DIR,DIR")
       ->delimiter(',');
   cli::AddSceneOptions(*command, options->scene, options->scene_format,
                        "Scene of the recording, for residuals by incidence angle and material, and for "

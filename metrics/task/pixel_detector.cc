@@ -83,7 +83,7 @@ Grid<float> PixelFeatures(const Grid<float>& value, double full_scale) {
   return features;
 }
 
-PixelDetector::PixelDetector(const std::vector<const LabelledFrame*>& frames)
+PixelDetector::PixelDetector(const std::vector<const LabelledFrame*>& frames, std::string_view use)
     : forest_(std::make_unique<Forest>()) {
   std::mt19937_64 random(kSeed);
   cv::Mat1f samples(0, kPixelFeatures);
@@ -100,8 +100,8 @@ PixelDetector::PixelDetector(const std::vector<const LabelledFrame*>& frames)
     }
   }
   if (drawn[0] == 0 || drawn[1] == 0) {
-    throw DataError("{} training frames have {} object pixels and {} others, expected some of both",
-                    frames.size(), drawn[1], drawn[0]);
+    throw DataError("{} {} frames have {} object pixels and {} others, expected some of both", frames.size(),
+                    use, drawn[1], drawn[0]);
   }
   // A regression forest of the labels 0 and 1: its mean is the share of objects.
   cv::ml::RTrees& trees = *forest_->trees;

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "core/types/image.h"
@@ -31,8 +32,9 @@ Grid<float> PixelFeatures(const Grid<float>& value, double full_scale);
 class PixelDetector {
  public:
   // Draws at most 400 object pixels and 400 others of each frame. The same frames give the same detector.
-  // Throws DataError if the frames have no object pixel or only object pixels.
-  explicit PixelDetector(const std::vector<const LabelledFrame*>& frames);
+  // Throws DataError if the frames have no object pixel or only object pixels; `use` says what they are for:
+  // "training" or "test".
+  PixelDetector(const std::vector<const LabelledFrame*>& frames, std::string_view use);
   ~PixelDetector();
   PixelDetector(const PixelDetector&) = delete;
   PixelDetector& operator=(const PixelDetector&) = delete;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "core/types/error.h"
@@ -21,8 +22,8 @@ struct TrainedDetector {
   int lowest_class = 0;
 };
 
-TrainedDetector Train(const std::vector<const LabelledFrame*>& frames) {
-  TrainedDetector trained{.detector = PixelDetector(frames)};
+TrainedDetector Train(const std::vector<const LabelledFrame*>& frames, std::string_view use) {
+  TrainedDetector trained{.detector = PixelDetector(frames, use)};
   ScoreCounts scores;
   for (const LabelledFrame* frame : frames)
     scores += CountScores(trained.detector.Score(*frame), frame->object);
@@ -119,7 +120,7 @@ Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::
 
   std::vector<const LabelledFrame*> of_training;
   for (const LabelledFrame& frame : training) of_training.push_back(&frame);
-  const TrainedDetector by_training = Train(of_training);
+  const TrainedDetector by_training = Train(of_training, "training");
   std::vector<TestedFrame> simulated;
   for (int i = 0; i < count; ++i)
     simulated.push_back(Test(by_training, test[i], shown_at(i, &ShownDetection::by_simulated)));
@@ -133,7 +134,7 @@ Transfer MeasureTransfer(const std::vector<LabelledFrame>& training, const std::
     for (int i = 0; i < count; ++i) {
       if (i < begin || i >= end) others.push_back(&test[i]);
     }
-    const TrainedDetector by_others = Train(others);
+    const TrainedDetector by_others = Train(others, "test");
     for (int i = begin; i < end; ++i)
       reference.push_back(Test(by_others, test[i], shown_at(i, &ShownDetection::by_reference)));
     report();

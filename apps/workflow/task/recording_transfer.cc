@@ -37,18 +37,30 @@ std::vector<metrics::LabelledFrame> Labelled(const Recordings& recordings, const
   return labelled;
 }
 
+// True if both were opened from the same file or folder.
+bool AreSame(const RecordingSource& a, const RecordingSource& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a.info().source, b.info().source, error);
+}
+
 void CheckMasks(const char* option, const Recordings& masks, const Recordings& recordings) {
-  if (masks.size() == recordings.size()) return;
-  throw UsageError("{} names {} recordings, expected {}, one for each recording", option, masks.size(),
-                   recordings.size());
+  if (masks.size() != recordings.size()) {
+    throw UsageError("{} names {} recordings, expected {}, one for each recording", option, masks.size(),
+                     recordings.size());
+  }
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    if (AreSame(*masks[i], *recordings[i]))
+      throw UsageError(
+          "{} names {}, which is the recording itself, expected one that is bright where the object is",
+          option, masks[i]->info().source);
+  }
 }
 
 // No frame is tested by a detector that was trained on it.
 void CheckApart(const Recordings& training, const Recordings& test) {
   for (const RecordingSource* trained : training) {
     for (const RecordingSource* tested : test) {
-      std::error_code error;
-      if (std::filesystem::equivalent(trained->info().source, tested->info().source, error))
+      if (AreSame(*trained, *tested))
         throw UsageError("{} is given for training and for the test, expected other frames to test on",
                          tested->info().source);
     }

@@ -134,6 +134,7 @@ TEST_F(TransferCommand, MistakesAreRefusedInOneSentence) {
   EXPECT_THAT(refusal("--object bix", 1), HasSubstr("no material 'bix'"));
   const std::string twice = Quoted(world_ / "masks") + "," + Quoted(world_ / "masks");
   EXPECT_THAT(refusal("--train-masks " + twice, 2), HasSubstr("names 2 recordings, expected 1"));
+  EXPECT_THAT(refusal("--object box", 2, "test"), HasSubstr("--test-masks names"));
   Keep("masks", 3, "three_masks");
   EXPECT_THAT(refusal("--object box", 1, "three_masks"), HasSubstr("has 3 masks, expected one for each"));
 }

@@ -1,5 +1,6 @@
 #include "metrics/task/transfer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "core/types/error.h"
 #include "tests/metrics/human_masks.h"
 #include "tests/metrics/metrics_testing.h"
 #include "tests/support/recordings.h"
@@ -190,7 +192,20 @@ TEST(PixelDetectorTest, FeaturesAreBoxMeansAndSpreads) {
 TEST(PixelDetectorTest, NeedsBothClasses) {
   LabelledFrame empty = BlockFrame(1);
   std::ranges::fill(empty.object.values(), std::uint8_t{0});
-  EXPECT_THROW(PixelDetector({&empty}), DataError);
+  EXPECT_THROW(PixelDetector({&empty}, "training"), DataError);
+}
+
+TEST(TransferTest, TestFramesWithoutABackgroundAreNamed) {
+  std::vector<LabelledFrame> training, test;
+  for (int i = 0; i < 2; ++i) training.push_back(BlockFrame(i + 1));
+  for (int i = 0; i < 2; ++i) test.push_back(BlockFrame(i + 101));
+  for (LabelledFrame& frame : test) std::ranges::fill(frame.object.values(), std::uint8_t{1});
+  try {
+    MeasureTransfer(training, test);
+    FAIL() << "expected a refusal";
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("1 test frames have"));
+  }
 }
 
 TEST(TransferTest, FramesOfOneLawTrainAsWellAsEachOther) {
