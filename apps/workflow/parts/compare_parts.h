@@ -14,8 +14,8 @@
 
 namespace sonarcal::workflow {
 
-// Recordings that show some frames each, as one recording with the numbers of a longer one. Frames that none of them
-// holds have the time and pose of the longer recording, and cannot be read.
+// Recordings that show some frames each, as one recording with the numbers of a longer one. Frames that none
+// of them shows have the time and pose of the longer recording, and cannot be read.
 class PartialRecording final : public RecordingSource {
  public:
   // `whole` must outlive this.
