@@ -133,7 +133,13 @@ std::unique_ptr<RecordingSource> OpenRecording(const fs::path& path) {
         path.string());
   }
   const Format* format = FormatOf(located);
-  if (format == nullptr && kPictures.is(located)) format = &kPictures;
+  if (format == nullptr && kPictures.is(located)) {
+    if (!fs::is_directory(located, error) && IsRecordingFolder(folder)) {
+      throw DataError("{}: a picture in the folder of a recording, expected the folder, {}", path.string(),
+                      folder.string());
+    }
+    format = &kPictures;
+  }
   if (format != nullptr) {
     std::unique_ptr<RecordingSource> recording = WithLevels(format->open(located));
     if (located == path) return recording;

@@ -91,6 +91,21 @@ TEST(OpenRecording, GreyValuesWithoutLevelsAreReadAs16Bits) {
   EXPECT_FLOAT_EQ(frame.image.value(1, 0), 0.3F * 65535.0F);
 }
 
+TEST(OpenRecording, AFrameOfARecordingIsRefusedWithTheNameOfItsFolder) {
+  const testing::TempDir dir;
+  RecordingInfo info;
+  info.sonar.axes = {
+      .range_min_m = 1.0, .range_max_m = 2.0, .range_bins = 8, .beam_azimuth_rad = {-0.1, 0.1}};
+  const Frame frame = {{}, {info.sonar.axes, info.scale, Grid<float>(8, 2, 3.0F)}};
+  WriteRecording(MemoryRecording(info, {frame}), dir / "rec");
+  std::filesystem::path picture;
+  for (const auto& entry : std::filesystem::directory_iterator(dir / "rec"))
+    if (entry.path().extension() == ".png") picture = entry.path();
+  ASSERT_FALSE(picture.empty());
+  EXPECT_THAT([&] { OpenRecording(picture); },
+              ThrowsMessage<DataError>(HasSubstr("a picture in the folder of a recording")));
+}
+
 TEST(OpenRecording, OpensEveryRealRecording) {
   for (const char* name :
        {"aris1200_telephoto/sample.aris", "aris3000_broken/output.aris", "oculus_m1200d/one_ping_8bit.raw",
