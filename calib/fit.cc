@@ -241,7 +241,7 @@ class Fitter {
                     model_.frame_count() == 1 ? "" : "s"));
     SolveSummary summary = SolveFit(model, catalog_, limits, options_.stop, state_);
     report_.iterations += summary.iterations;
-    report_.converged = summary.converged;
+    converged_ = summary.converged;
     report_.termination = std::move(summary.termination);
     if (summary.usable) report_.cost_final = summary.cost;
     return summary.usable;
@@ -300,7 +300,7 @@ class Fitter {
     const ParameterValues values = state_.values;
     const double cost = report_.cost_final;
     const std::string termination = report_.termination;
-    const bool converged = report_.converged;
+    const bool converged = converged_;
     for (const ParameterValues& start : starts) {
       state_.values = start;
       if (SolveInOrder() && report_.cost_final < cost - kBetterCurveNats * PixelsPerCell()) return true;
@@ -308,7 +308,7 @@ class Fitter {
     state_.values = values;
     report_.cost_final = cost;
     report_.termination = termination;
-    report_.converged = converged;
+    converged_ = converged;
     return false;
   }
 
@@ -422,7 +422,7 @@ class Fitter {
                                     .prior = ReportedPrior(i)});
     }
     DescribeGauge();
-    if (usable && !report_.converged) {
+    if (usable && !converged_) {
       report_.warnings.push_back(
           fmt::format("the fit reached max_iterations = {} before it converged: its values may still change, "
                       "and the standard errors do not hold",
@@ -480,6 +480,7 @@ class Fitter {
   Eigen::VectorXd student_;       // factors on standard errors, per entry of `interior_`; empty: 1
   std::vector<double> widening_;  // factors on standard errors, per catalog entry; empty: 1
   FitReport report_;
+  bool converged_ = false;  // the last solve
 };
 
 }  // namespace

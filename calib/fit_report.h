@@ -88,7 +88,6 @@ struct FitReport {
   double cost_initial = 0.0;
   double cost_final = 0.0;
   int iterations = 0;
-  bool converged = false;  // false: a limit of iterations ended the last solve
   std::string termination;
   std::vector<int> frames_used;
   std::vector<int> frames_held_out;

@@ -205,14 +205,12 @@ TEST(LikelihoodFitTest, AFitThatItsLimitOfIterationsEndsWarns) {
   options.test_others = false;
   const ModelFit whole = Fit(model, start, config, options);
   ASSERT_TRUE(whole.usable);
-  EXPECT_TRUE(whole.report.converged) << whole.report.termination;
   EXPECT_THAT(whole.report.warnings, ::testing::IsEmpty());
   ASSERT_GT(whole.report.iterations, 2);
 
   options.max_iterations = 1;
   const ModelFit cut = Fit(model, start, config, options);
   ASSERT_TRUE(cut.usable);
-  EXPECT_FALSE(cut.report.converged) << cut.report.termination;
   ASSERT_EQ(cut.report.warnings.size(), 1U);
   EXPECT_THAT(cut.report.warnings.front(),
               ::testing::HasSubstr("the fit reached max_iterations = 1 before it converged"));
