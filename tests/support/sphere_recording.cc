@@ -16,9 +16,10 @@ Eigen::Vector3d Direction(const SpherePlace& place) {
           std::cos(place.elevation_rad) * std::cos(place.azimuth_rad), std::sin(place.elevation_rad)};
 }
 
-// Pose without roll from which the origin of the world appears at `place`.
+// Pose from which the origin of the world appears at `place`.
 Pose PoseThatSeesOriginAt(const SpherePlace& place) {
-  const Eigen::Quaterniond rotation = RotationFromYawPitchRoll(place.azimuth_rad, -place.elevation_rad, 0.0);
+  const Eigen::Quaterniond rotation =
+      RotationFromYawPitchRoll(place.azimuth_rad, -place.elevation_rad, place.roll_rad);
   return {rotation, rotation * (-place.range_m * Direction(place))};
 }
 

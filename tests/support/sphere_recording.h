@@ -15,6 +15,7 @@ struct SpherePlace {
   double range_m = 3.0;
   double azimuth_rad = 0.0;
   double elevation_rad = 0.0;
+  double roll_rad = 0.0;  // of the sonar
 };
 
 struct SphereRecordingOptions {

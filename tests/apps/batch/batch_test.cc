@@ -251,20 +251,6 @@ TEST_F(BatchTest, RangesOfARecordingAreMergedToTheComparisonOfTheWhole) {
   EXPECT_EQ(merged.at("macro"), whole.at("macro"));
   for (const char* key : {"noise_floor", "residuals", "threshold_sweep", "segmentation", "notes", "ci"})
     ExpectSame(merged.at(key), whole.at(key), key);
-  // The merge takes a part that was compared with a simulation of all frames, too.
-  ASSERT_EQ(
-      RunSonarcal(fmt::format("compare -q --part --frames 1:2 --pictures 0 --real {} --sim {} --scene {} "
-                              "--out {}",
-                              Quoted(recorded_), Quoted(world_ / "all"), Quoted(world_.scene()),
-                              Quoted(world_ / "of_all")))
-          .status,
-      0);
-  const Outcome mixed = RunSonarcal(fmt::format(
-      "compare -q --real {} --scene {} --merge {},{},{},{} --out {}", Quoted(recorded_),
-      Quoted(world_.scene()), Quoted(world_ / "out/part/0000"), Quoted(world_ / "of_all"),
-      Quoted(world_ / "out/part/0002"), Quoted(world_ / "out/part/0003"), Quoted(world_ / "mixed")));
-  ASSERT_EQ(mixed.status, 0) << mixed.err;
-  EXPECT_EQ(ReadJsonFile(world_ / "mixed" / "metrics.json").at("frames"), whole.at("frames"));
   // A part is missing.
   const Outcome missing = RunSonarcal(fmt::format(
       "compare -q --real {} --scene {} --merge {},{} --out {}", Quoted(recorded_), Quoted(world_.scene()),

@@ -107,6 +107,23 @@ TEST_F(CompareCommand, OtherNumbersOfFramesNeedFrames) {
   EXPECT_EQ(RunSonarcal(Arguments("--frames 0:3")).status, 1);
 }
 
+TEST_F(CompareCommand, PartsOfAWholeSimulationAreMergedToTheComparisonOfTheWhole) {
+  ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
+  const nlohmann::json whole = testing::ReadJsonFile(world_ / "out/metrics.json");
+  for (const char* frames : {"0:3", "3:4"}) {
+    const Outcome part =
+        RunSonarcal(fmt::format("compare -q --part --frames {} --real {} --sim {} --out {}", frames,
+                                Quoted(real_), Quoted(simulated_), Quoted(world_ / frames)));
+    ASSERT_EQ(part.status, 0) << part.err;
+  }
+  const Outcome merged =
+      RunSonarcal(fmt::format("compare -q --real {} --merge {},{} --out {}", Quoted(real_),
+                              Quoted(world_ / "0:3"), Quoted(world_ / "3:4"), Quoted(world_ / "merged")));
+  ASSERT_EQ(merged.status, 0) << merged.err;
+  const nlohmann::json json = testing::ReadJsonFile(world_ / "merged/metrics.json");
+  for (const char* key : {"frames", "macro", "micro", "notes"}) EXPECT_EQ(json[key], whole[key]) << key;
+}
+
 // The frames of the second recording start two later, which only the poses tell.
 TEST_F(CompareCommand, PairsWhosePosesAreApartAreNamed) {
   const auto pose_notes = [&] {

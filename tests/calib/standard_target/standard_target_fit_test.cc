@@ -185,9 +185,13 @@ TEST_F(StandardTargetFitTest, MovedSphereGivesBeamsElevationAndGainWithRange) {
   EXPECT_LT(std::sqrt(in_sigmas / count), 1.5);
 }
 
-// A sphere that stays near one elevation does not tell the width. No width is made up then.
+// Rolls tell the elevation of the sphere. It stays near one elevation, and so does not tell the width. No width
+// is made up then.
 TEST_F(StandardTargetFitTest, AnUnknownElevationWidthIsNotTakenForKnown) {
-  PlaceSphere(60, 2.3, 5.2, 12.0, 1.5);
+  RecordShortRanges();
+  PlaceSphere(20, 3.0, 3.3, 3.0, 0.5);
+  for (std::size_t i = 0; i < recording_.places.size(); ++i)
+    recording_.places[i].roll_rad = RadFromDeg(i % 2 == 0 ? 30.0 : -30.0);
   recording_.with_poses = true;
   recording_.sonar.elevation_beam_width_deg = 0.0;
   const StandardTargetFit fit = Fit();
