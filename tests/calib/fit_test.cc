@@ -173,43 +173,42 @@ TEST_F(PaperFitTest, PixelsThatDoNotCountDoNotBendTheFit) {
               3.0 * *fit.report.Find("display.db_max")->sigma);
 }
 
+class LikelihoodFitTest : public ::testing::Test {
+ protected:
+  LikelihoodFitTest() {
+    options_.starts = 1;
+    options_.threads = 1;
+    options_.test_others = false;
+  }
+
+  testing::CurveModel model_{
+      {.truth = {.a = 0.126, .b_deg = 5.5, .c = 0.01, .d = 1.3, .e = 0.025, .f_deg = 17.0}}};
+  ParameterValues start_ = model_.truth();
+  FitConfig config_{.free = std::vector<std::string>{"materials"}};
+  FitOptions options_;
+};
+
 // A prior about C, half the start, a fifth of it wide.
-TEST(LikelihoodFitTest, TheInitialCostContainsThePriorsAsTheFinalOneDoes) {
-  const testing::CurveModel model(
-      {.truth = {.a = 0.126, .b_deg = 5.5, .c = 0.01, .d = 1.3, .e = 0.025, .f_deg = 17.0}});
-  ParameterValues start = model.truth();
-  start[2] *= 2.0;
-  FitConfig config{.free = std::vector<std::string>{"materials"}};
-  config.priors[model.catalog()[2].name] = std::pair{0.5 * start[2], 0.1 * start[2]};
-  FitOptions options;
-  options.starts = 1;
-  options.threads = 1;
-  options.test_others = false;
-  const ModelFit fit = Fit(model, start, config, options);
+TEST_F(LikelihoodFitTest, TheInitialCostContainsThePriorsAsTheFinalOneDoes) {
+  start_[2] *= 2.0;
+  config_.priors[model_.catalog()[2].name] = std::pair{0.5 * start_[2], 0.1 * start_[2]};
+  const ModelFit fit = Fit(model_, start_, config_, options_);
   ASSERT_TRUE(fit.usable);
   const double of_prior = 0.5 * std::pow(std::log(2.0) / 0.2, 2);
-  EXPECT_NEAR(fit.report.cost_initial, CostAt(model, start, 1) + of_prior, 1e-6);
+  EXPECT_NEAR(fit.report.cost_initial, CostAt(model_, start_, 1) + of_prior, 1e-6);
   EXPECT_LT(fit.report.cost_final, fit.report.cost_initial);
 }
 
-TEST(LikelihoodFitTest, AFitThatItsLimitOfIterationsEndsWarns) {
-  const testing::CurveModel model(
-      {.truth = {.a = 0.126, .b_deg = 5.5, .c = 0.01, .d = 1.3, .e = 0.025, .f_deg = 17.0}});
-  ParameterValues start = model.truth();
-  start[2] *= 4.0;
-  start[3] *= 0.5;
-  const FitConfig config{.free = std::vector<std::string>{"materials"}};
-  FitOptions options;
-  options.starts = 1;
-  options.threads = 1;
-  options.test_others = false;
-  const ModelFit whole = Fit(model, start, config, options);
+TEST_F(LikelihoodFitTest, AFitThatItsLimitOfIterationsEndsWarns) {
+  start_[2] *= 4.0;
+  start_[3] *= 0.5;
+  const ModelFit whole = Fit(model_, start_, config_, options_);
   ASSERT_TRUE(whole.usable);
   EXPECT_THAT(whole.report.warnings, ::testing::IsEmpty());
   ASSERT_GT(whole.report.iterations, 2);
 
-  options.max_iterations = 1;
-  const ModelFit cut = Fit(model, start, config, options);
+  options_.max_iterations = 1;
+  const ModelFit cut = Fit(model_, start_, config_, options_);
   ASSERT_TRUE(cut.usable);
   ASSERT_EQ(cut.report.warnings.size(), 1U);
   EXPECT_THAT(cut.report.warnings.front(),

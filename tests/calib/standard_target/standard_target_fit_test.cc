@@ -185,8 +185,8 @@ TEST_F(StandardTargetFitTest, MovedSphereGivesBeamsElevationAndGainWithRange) {
   EXPECT_LT(std::sqrt(in_sigmas / count), 1.5);
 }
 
-// Rolls tell the elevation of the sphere. It stays near one elevation, and so does not tell the width. No width
-// is made up then.
+// Rolls tell the elevation of the sphere. It stays near one elevation, and so does not tell the width. No
+// width is made up then.
 TEST_F(StandardTargetFitTest, AnUnknownElevationWidthIsNotTakenForKnown) {
   RecordShortRanges();
   PlaceSphere(20, 3.0, 3.3, 3.0, 0.5);
