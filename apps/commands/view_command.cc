@@ -155,8 +155,8 @@ view::ViewSetup SetUpView(const ViewOptions& options) {
   if (options.model) setup.parameters.model = *options.model;
   if (setup.parameters.model == EchoModel::kCoherent) {
     throw UsageError(
-        "the parameters name the model 'coherent', which is too slow to follow a slider; choose "
-        "--model paper or --model acoustic");
+        "the model is 'coherent', which is too slow to follow a slider, expected --model paper or --model "
+        "acoustic");
   }
   workflow::CheckRayWeight(options.rays.ray_weight, setup.parameters.model);
   const workflow::WaterChoice water = workflow::ChooseWater(setup.parameters, choice.water);

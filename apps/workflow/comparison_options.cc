@@ -51,6 +51,8 @@ std::optional<Mask> RegionOf(const ComparisonOptions& options, const PolarAxes& 
 metrics::SegmentationOptions ComparisonOptions::Rule() const {
   if (all_components && largest_component)
     throw UsageError("--all-components contradicts --largest-component");
+  if (contrast_db && contrast != metrics::SegmentationOptions().contrast)
+    throw UsageError("--contrast and --contrast-db are given together, expected one of them");
   const metrics::SegmentationOptions by_default =
       object.empty() ? metrics::SegmentationOptions() : metrics::SegmentationInBox();
   metrics::SegmentationOptions rule;

@@ -107,6 +107,14 @@ TEST_F(CompareCommand, OtherNumbersOfFramesNeedFrames) {
   EXPECT_EQ(RunSonarcal(Arguments("--frames 0:3")).status, 1);
 }
 
+TEST_F(CompareCommand, OptionsThatContradictAreRefused) {
+  for (const char* options : {"--contrast 0.2 --contrast-db 3", "--all-components --largest-component"}) {
+    const Outcome outcome = RunSonarcal(Arguments(options));
+    EXPECT_EQ(outcome.status, 2) << options;
+    EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
+  }
+}
+
 TEST_F(CompareCommand, PartsOfAWholeSimulationAreMergedToTheComparisonOfTheWhole) {
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
   const nlohmann::json whole = testing::ReadJsonFile(world_ / "out/metrics.json");
