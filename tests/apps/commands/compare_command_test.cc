@@ -135,9 +135,9 @@ TEST_F(CompareCommand, PartsOfAWholeSimulationAreMergedToTheComparisonOfTheWhole
 // The frames of the second recording start two later, which only the poses tell.
 TEST_F(CompareCommand, PairsWhosePosesAreApartAreNamed) {
   const auto pose_notes = [&] {
-    std::vector<std::string> notes;
-    for (const std::string note : testing::ReadJsonFile(world_ / "out/metrics.json")["notes"])
-      if (note.starts_with("frames are paired by number")) notes.push_back(note);
+    const nlohmann::json json = testing::ReadJsonFile(world_ / "out/metrics.json");
+    auto notes = json["notes"].get<std::vector<std::string>>();
+    std::erase_if(notes, [](const std::string& note) { return !note.starts_with("frames are paired by"); });
     return notes;
   };
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
