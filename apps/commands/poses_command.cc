@@ -330,7 +330,8 @@ void SetupPoses(CLI::App& app) {
       ->add_option(
           "--port", options->port,
           "Flat window before a camera calibrated in air (sonar-port/1); no refraction is modelled if not "
-          "given, which is right for a camera calibrated under water")
+          "given, which is right for a camera in air, and nearly right for one calibrated under water at its "
+          "working distance")
       ->type_name("JSON");
   cli::AddOutFolder(*command, options->out, options->common, "Folder to write")->required();
   cli::AddChoice(*command, "--time-unit", options->time_unit,

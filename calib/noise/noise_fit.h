@@ -16,7 +16,7 @@
 // component is tried, too (receiver.diffuse_share, free in that law alone).
 //
 // With four or more held-out pings, the earlier half selects and the later half evaluates, so that the
-// selection does not bias the reported agreement. Two or three held-out pings do both. For a single frame,
+// selection does not bias the reported agreement. One to three held-out pings do both. For a single frame,
 // every second band is held out instead. The chosen form is then fitted again, to all pings and bands: that
 // law is the result, and the figures on held-out pings are those of the law before (NoiseFit::evaluated_law).
 // Solved by Fisher scoring with Levenberg's damping (calib/noise/noise_solver.h) on counts of grey per cell.
@@ -40,7 +40,7 @@
 namespace sonarcal::calib {
 
 struct NoiseFitOptions {
-  std::vector<int> held_out;          // frames, counted from 0; empty: the last third; of a single frame none
+  std::vector<int> held_out;          // frames, counted from 0; empty: the last third; of one or two none
   bool choose_held_out = true;        // false: hold out only the frames of `held_out`
   int skip_bins = 1;                  // nearest range bins left out, without echoes
   std::optional<double> range_min_m;  // window without targets; absent: all

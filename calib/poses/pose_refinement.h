@@ -2,10 +2,10 @@
 // poses. Refines the sonar's geometry and the placement of objects too, if they are free.
 //
 // Gauss-Newton with damping (Levenberg, Marquardt) on the cost of calib/poses/pose_view.h and the priors of
-// the catalog. Every step traces the scene again and is accepted only if the cost falls. Derivatives are
-// central differences of traced images for small moves of the sonar (calib/parameters/pose_step.h), and are
-// used for up to three steps. Frames are refined one by one, or all together if a placement that they share
-// is free.
+// the catalog. Every step traces the scene again and is accepted only if the cost falls. Derivatives by
+// moves of the sonar or of objects come from the same trace, others from central differences of traced
+// images (calib/parameters/pose_step.h). They are used for up to three steps. Frames are refined one by one,
+// or all together if a placement that they share is free.
 #pragma once
 
 #include <functional>

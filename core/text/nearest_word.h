@@ -12,8 +12,9 @@ namespace sonarcal {
 // `b`. Ignores case, and takes '-' and '_' as one letter.
 int EditDistance(std::string_view a, std::string_view b);
 
-// Returns the word with the smallest edit distance from `text`, the first of several. Returns nothing if more
-// than one letter in three differs. A text of three or more letters is also near words that begin with it.
+// Returns the word with the smallest edit distance from `text`, the first of several. Returns nothing if
+// more than one letter in three differs, or more than one of a text of one or two letters. A text of three
+// or more letters is also near words that begin with it.
 std::optional<std::string> NearestWord(std::string_view text, const std::vector<std::string>& words);
 
 // Returns the end of a message about an unknown word, by what there is to say:

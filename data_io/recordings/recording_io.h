@@ -4,7 +4,7 @@
 //   {"format": "sonar-recording/1",
 //    "sonar": {"name", "frequency_hz", "beam_azimuth_deg": [...], "azimuth_beam_width_deg",
 //              "elevation_beam_width_deg", "range_min_m", "range_max_m", "range_bins", "sound_speed_m_per_s",
-//              "beam_forming": "array" | "lens", "azimuth_psf": [...], "beam_taper": [...]},
+//              "beam_forming": "array" | "lens", "azimuth_psf": [...], "beam_taper": [...], "pings": {...}},
 //    "water": {...}, "source_level_db", "scene",
 //    "image": {"layout": "polar", "bits": 8 | 16 | 32, "db_min", "db_max", "db_span", "full_scale",
 //              "quantity": "grey" | "decibel" | "power" | "depth", "display_gamma",
@@ -12,7 +12,8 @@
 //              "settings": {"gain_db", "pulse_length_us", "time_varied_gain": true | false,
 //                           "compression": "logarithm" | "power"}},
 //    "synthetic": true, "generator", "details": [["name", "value"], ...], "notes": ["...", ...],
-//    "frames": [{"file": "frame_0000.png", "time_s", "world_from_sonar": {...}, "settings"}, ...]}
+//    "frames": [{"file": "frame_0000.png", "time_s", "world_from_sonar": {...}, "motion": {...},
+//                "settings"}, ...]}
 //
 // Row i of an image covers range_min_m + i (range_max_m - range_min_m) / range_bins to the next row's start.
 // Column j is beam j, leftmost first. Required: `format`, the window and beams, `image.layout` and

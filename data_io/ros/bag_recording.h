@@ -23,7 +23,7 @@ struct BagOptions {
 };
 
 // Throws DataError if the topic is absent or not a sonar's, if none is named and the bag has none or several
-// (the message lists them), or if the first message is damaged.
+// (the message lists them), or if none of the first 100 messages can be read.
 std::unique_ptr<RecordingSource> OpenBagRecording(const std::filesystem::path& path,
                                                   const BagOptions& options);
 

@@ -35,10 +35,11 @@ namespace sonarcal::data_io {
 // True if the file begins with the head of an Oculus message, or of a log of them.
 bool IsOculus(const std::filesystem::path& path);
 
-// Reads the heads of all messages, and images on request. A damaged item of a log is a frame that cannot be
-// read. The sonar is described from the first ping that can be read, with a note if it is not the first one.
-// Throws DataError, naming byte and field, if the file holds no whole ping or none can be read. Reading a
-// frame throws it if the ping's fields contradict each other or its size.
+// Reads the heads of all messages, and images on request. An item of a log with a damaged payload is a frame
+// that cannot be read. A damaged head of an item ends the reading. The sonar is described from the first
+// ping that can be read, with a note if it is not the first one. Throws DataError, naming byte and field, if
+// the file holds no whole ping or none can be read. Reading a frame throws it if the ping's fields
+// contradict each other or its size.
 std::unique_ptr<RecordingSource> OpenOculus(const std::filesystem::path& path);
 
 }  // namespace sonarcal::data_io

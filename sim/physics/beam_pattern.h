@@ -1,6 +1,6 @@
 // Responses of the sonar to an echo off the axis in azimuth, elevation or range. Each is a two-way power
-// response, 1 on the axis, described by its full width at half power. Range, and by default elevation, have a
-// Gaussian response,
+// response, 1 on the axis, described by its full width at half power. Range, and elevation with kGaussian,
+// have a Gaussian response,
 //
 //   w(x) = 2^(-(2 x / width)^2)
 //

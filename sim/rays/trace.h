@@ -24,7 +24,7 @@ constexpr auto WordsOf(std::type_identity<NormalSource>) {
 
 struct TraceOptions {
   NormalSource normals = NormalSource::kGeometric;
-  int step = 2;              // k of Eq. 8: 2 or 3
+  int step = 2;              // k of Eq. 8: 2 or 3 in the paper; 1..16
   double jump_ratio = 0.05;  // fraction of the range
 
   void Check() const;

@@ -59,7 +59,7 @@ std::string Examples(const CLI::App& command) {
 constexpr const char* kExitStatus =
     ".SH EXIT STATUS\n.TP\n0\nDone.\n.TP\n1\nBad data, or a run that failed.\n.TP\n2\nA wrong command "
     "line.\n.TP\n3\nA fit that ended without a usable solution.\n.TP\n4\nA figure exceeded a threshold of "
-    "\\fB\\-\\-fail\\-above\\fR.\n.TP\n130\nInterrupted; finished outputs are kept.\n";
+    "\\fB\\-\\-fail\\-above\\fR.\n.TP\n130, 143, 129\nInterrupted; unfinished outputs are removed.\n";
 
 }  // namespace
 

@@ -28,11 +28,13 @@ struct RayOptions {
   template <typename Self, typename Visitor>
   static void Visit(Self& self, Visitor&& visit) {
     visit(
-        OptionInfo{
-            .name = "sampling",
-            .help = "Arrangement of the rays: a pinhole grid as in the paper, or equal angles within "
-                    "each beam",
-            .by_default = "beams; in a fit to a recording made by the paper's model: that of the recording"},
+        OptionInfo{.name = "sampling",
+                   .help = "Arrangement of the rays: a pinhole grid as in the paper, or equal angles within "
+                           "each beam",
+                   .by_default = self.sampling
+                                     ? std::string(ToString(*self.sampling))
+                                     : "beams; in a fit to a recording made by the paper's model: that of "
+                                       "the recording"},
         self.sampling);
     visit(OptionInfo{.name = "rays",
                      .help = "Columns x rows of rays over the field of view",
