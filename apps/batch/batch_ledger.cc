@@ -16,6 +16,7 @@
 
 #include "core/types/error.h"
 #include "data_io/files/file_bytes.h"
+#include "data_io/json/json_document.h"
 
 namespace sonarcal::batch {
 namespace {
@@ -84,7 +85,7 @@ const std::map<std::string, LedgerState>& BatchLedger::Read() {
     bytes_read_ += line.size() + 1;
     ++lines_read_;
     try {
-      const Json json = Json::parse(line);
+      const auto json = data_io::ParseLeniently<Json>(line);
       states_[json.at("job")] = StateOf(json);
     } catch (const Json::exception&) {
       throw DataError(R"({}:{}: is no line of a ledger, expected {{"job": ..., "key": ..., "event": ...}})",

@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -50,6 +52,9 @@ std::string WordOf(const data_io::JsonReader& value, const CLI::Option& option) 
   if (const auto given = IfOfThisKind([&] { return value.Bool(); })) {
     value.Fail(fmt::format("is {}, expected a value of --{}", *given, option.get_lnames().front()));
   }
+  constexpr auto kLimits = std::numeric_limits<std::int64_t>();
+  if (const auto whole = IfOfThisKind([&] { return value.Integer(kLimits.min(), kLimits.max()); }))
+    return fmt::format("{}", *whole);
   if (const auto number = IfOfThisKind([&] { return value.Number(); })) return fmt::format("{}", *number);
   return value.String();
 }
@@ -162,6 +167,16 @@ std::vector<std::string> ArgumentsOf(const Chosen& chosen) {
   return arguments;
 }
 
+// Words with "{out}" for the folder of the batch, which may be moved.
+std::string WithoutFolder(std::string words, const fs::path& out) {
+  const std::string folder = out.string() + '/';
+  constexpr std::string_view kOut = "{out}/";
+  for (std::size_t at = words.find(folder); at != std::string::npos;
+       at = words.find(folder, at + kOut.size()))
+    words.replace(at, folder.size(), kOut);
+  return words;
+}
+
 // Hash of all inputs of a job: its arguments and the contents of the files that they name; for a recording
 // folder, of its recording.json. For outputs of the batch itself, the key of the previous job is used.
 // `digests`: cache of files already read, because many jobs name the same ones.
@@ -169,7 +184,7 @@ std::string KeyOf(const BatchJob& job, const fs::path& folder, const fs::path& o
                   const std::string& key_before, std::map<fs::path, std::string>& digests) {
   std::string text = job.command + '\n' + key_before + '\n';
   for (const std::string& argument : job.arguments) {
-    text += argument + '\n';
+    text += WithoutFolder(argument, out) + '\n';
     if (argument.starts_with(out.string() + '/')) continue;
     fs::path path = folder / argument;
     std::error_code error;
@@ -264,6 +279,10 @@ class Reader {
                           std::all_of(name.begin(), name.end(), [](unsigned char c) {
                             return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
                           });
+    constexpr std::array<std::string_view, 5> kOwnNames = {"ledger.jsonl", "locks", "logs", "summary.csv",
+                                                           "summary.json"};
+    if (std::ranges::find(kOwnNames, name) != kOwnNames.end())
+      json.Fail(fmt::format("is '{}', a name that the batch itself uses, expected another", name));
     if (!is_plain)
       json.Fail(fmt::format(
           "is '{}', expected letters, digits, dots, dashes and underscores, as for a folder", name));

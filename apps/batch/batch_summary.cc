@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
+#include <system_error>
 
 #include <nlohmann/json.hpp>
 
 #include "core/types/csv_text.h"
+#include "data_io/files/file_bytes.h"
+#include "data_io/json/json_document.h"
 
 namespace sonarcal::batch {
 namespace {
@@ -16,9 +18,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::optional<Json> ReadIfThere(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) return {};
-  Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  constexpr std::size_t kMaxBytes = 1UL << 32U;  // a comparison of a million frames
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return {};
+  Json json = data_io::ParseLeniently<Json>(data_io::ReadFileBytes(file, kMaxBytes));
   if (json.is_discarded()) return {};
   return json;
 }

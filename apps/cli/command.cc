@@ -1,14 +1,20 @@
 #include "apps/cli/command.h"
 
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <new>
+#include <string_view>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -114,6 +120,10 @@ int ParseAndRun(CLI::App& app, std::vector<std::string> words) {
       words.emplace_back("--help");
     }
     AddOptionsFromFile(app, words);
+    for (const std::string& word : words) {
+      if (word.starts_with("--") && word.find('=') == word.size() - 1)
+        throw UsageError("{} has no value, expected one behind it", word.substr(0, word.size() - 1));
+    }
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(std::move(words));
     return static_cast<int>(ExitStatus::kDone);
@@ -148,10 +158,34 @@ struct MessageOptions {
   std::filesystem::path log;
 };
 
-// Throws UsageError for a log in the output folder, which must be empty before a run.
+// True for a file that is empty or begins with the time of a message.
+bool IsLog(const std::filesystem::path& file) {
+  constexpr std::string_view kForm = "0000-00-00T00:00:00";
+  std::ifstream stream(file, std::ios::binary);
+  std::string begin(kForm.size(), '\0');
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  if (stream.gcount() == 0) return true;
+  std::ranges::replace_if(
+      begin, [](char c) { return c >= '0' && c <= '9'; }, '0');
+  return begin == kForm;
+}
+
+// Throws UsageError for a file that no run wrote as a log, for a pipe that nobody reads, and for a log in the
+// output folder, which must be empty before a run.
 void CheckLog(const CLI::App& command, const std::filesystem::path& log) {
+  if (log.empty()) return;
+  std::error_code error;
+  if (std::filesystem::is_fifo(log, error)) {
+    const int descriptor = open(log.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0)
+      throw UsageError("--log {} is a pipe that nobody reads, expected a file", log.string());
+    close(descriptor);
+  }
+  if (std::filesystem::is_regular_file(log, error) && !IsLog(log))
+    throw UsageError("--log {} holds something else than messages, expected a new file or a log",
+                     log.string());
   const CLI::Option* out = command.get_option_no_throw("--out");
-  if (log.empty() || out == nullptr || out->count() == 0) return;
+  if (out == nullptr || out->count() == 0) return;
   const auto whole = [](const std::filesystem::path& path) {
     return std::filesystem::absolute(path).lexically_normal();
   };
@@ -161,16 +195,38 @@ void CheckLog(const CLI::App& command, const std::filesystem::path& log) {
                      log.string());
 }
 
+// An option without its value takes the next word for it, also if that is an option.
+void CheckValues(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& value : option->results()) {
+      if (value.size() > 1 && value.starts_with('-') && command.get_option_no_throw(value) != nullptr)
+        throw UsageError("{} has the value '{}', which is an option, expected a value", option->get_name(),
+                         value);
+    }
+  }
+}
+
 void StartRun(const CLI::App& command, const CommonOptions& common, const MessageOptions& options) {
+  CheckValues(command);
   if (options.verbose && common.quiet) throw UsageError("--verbose has no effect with --quiet");
   CheckLog(command, options.log);
   StartMessages({.verbose = options.verbose, .log = options.log});
-  PrintDetail(fmt::format("version {}, in {}: {}", SONARCAL_VERSION, std::filesystem::current_path().string(),
-                          fmt::join(CommandLine(), " ")));
+  std::error_code error;  // the working directory may be deleted
+  PrintDetail(fmt::format("version {}, in {}: {}", SONARCAL_VERSION,
+                          std::filesystem::current_path(error).string(), fmt::join(CommandLine(), " ")));
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0) continue;
     PrintDetail(fmt::format("{} = {} ({})", option->get_name(), fmt::join(option->results(), " "),
                             IsFromOptionsFile(*option) ? "options file" : "command line"));
+  }
+}
+
+// Takes the place of standard streams that are closed, so that no output file gets their number. Writing to
+// them fails, as to closed ones.
+void ReplaceClosedStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
+    [[maybe_unused]] const int replaced = open("/dev/null", O_RDONLY);
   }
 }
 
@@ -230,6 +286,7 @@ void SetUpRoot(CLI::App& app) {
 }
 
 int RunApp(CLI::App& app, int argc, const char* const* argv) {
+  ReplaceClosedStreams();
   HandleSignals();
   std::set_terminate(Terminate);
   MutableCommandLine().assign(argv, argv + argc);

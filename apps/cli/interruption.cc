@@ -3,11 +3,15 @@
 #include <pthread.h>
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <ctime>
+#include <future>
 #include <iostream>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <thread>
 
 #include "apps/cli/command.h"
@@ -21,12 +25,39 @@ std::atomic<bool> command_was_asked = false;
 std::atomic<bool> command_may_be_slow = false;
 std::atomic<bool> command_has_ended = false;
 
+// Prints an error from another thread, and waits for it a moment only: nobody may read the output, or another
+// thread may be held by it.
+void PrintErrorIfRead(const std::string& sentence) {
+  constexpr auto kMoment = std::chrono::milliseconds(300);
+  const auto is_printed = std::make_shared<std::promise<void>>();
+  const std::future<void> printed = is_printed->get_future();
+  try {
+    std::thread([is_printed, sentence] {
+      std::cerr << '\n';  // ends the line of a progress bar
+      PrintError(sentence);
+      is_printed->set_value();
+    }).detach();
+  } catch (const std::system_error&) {  // no thread can be made
+    return;
+  }
+  printed.wait_for(kMoment);
+}
+
+std::string_view EndOfSentence(LeftOutputs left) {
+  switch (left) {
+    case LeftOutputs::kNone:
+      return "";
+    case LeftOutputs::kRemoved:
+      return ", unfinished outputs were removed";
+    case LeftOutputs::kKept:
+      return "; the same command with --resume goes on";
+  }
+  return "";
+}
+
 // Ends the program by the signal, as a shell expects it.
 [[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
-  const bool is_kept = RemoveUnfinishedOutputs();
-  std::cerr << '\n';  // ends the line of a progress bar
-  PrintError(std::string(why) +
-             (is_kept ? "; the same command with --resume goes on" : ", unfinished outputs were removed"));
+  PrintErrorIfRead(std::string(why).append(EndOfSentence(RemoveUnfinishedOutputs())));
   std::signal(signal, SIG_DFL);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::raise(signal);
@@ -55,8 +86,7 @@ void WaitForSignals(const sigset_t& signals) {
   if (again < 0 && command_has_ended) {
     if (sigwait(&signals, &again) != 0) return;
   } else if (again < 0 && command_may_be_slow) {
-    std::cerr << '\n';
-    PrintError("waiting for the work that is running; a second interruption ends at once");
+    PrintErrorIfRead("waiting for the work that is running; a second interruption ends at once");
     if (sigwait(&signals, &again) != 0) return;
   }
   EndBy(again < 0 ? signal : again, signals, again < 0 ? "interrupted" : "interrupted twice: ended at once");

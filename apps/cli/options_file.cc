@@ -84,6 +84,8 @@ std::vector<std::string> WordsOf(const std::string& file, const CLI::Option& opt
                       Printable(fmt::format("{}", fmt::join(item.inputs, ","))));
     return {flag};
   }
+  if (fmt::format("{}", fmt::join(item.inputs, "")).empty())
+    throw DataError("{}: {} has no value, expected NAME = VALUE", file, item.name);
   if (option.get_expected_max() < CLI::detail::expected_max_vector_size)
     return {fmt::format("{}={}", flag, fmt::join(item.inputs, ","))};
   std::vector<std::string> words;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -15,6 +14,8 @@
 
 #include "apps/cli/messages.h"
 #include "core/types/error.h"
+#include "data_io/files/file_bytes.h"
+#include "data_io/json/json_document.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/recordings/recording_io.h"
 
@@ -40,8 +41,9 @@ Registry& Unfinished() {
 }
 
 Json ReadLeniently(const fs::path& file) {
-  std::ifstream stream(file);
-  return stream ? Json::parse(stream, nullptr, /*allow_exceptions=*/false) : Json();
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return {};
+  return data_io::ParseLeniently<Json>(data_io::ReadFileBytes(file, data_io::kMaxJsonBytes));
 }
 
 bool HoldsAnything(const fs::path& folder) {
@@ -99,7 +101,10 @@ void RefuseInputAsOutput(const fs::path& out, const std::vector<fs::path>& input
   for (const fs::path& input : inputs) {
     const bool is_header =
         input.has_parent_path() && data_io::IsRecordingFolder(input) && !fs::is_directory(input);
-    if (fs::equivalent(out, is_header ? input.parent_path() : input, error))
+    const fs::path read = is_header ? input.parent_path() : input;
+    const bool is_in_recording = fs::is_regular_file(out, error) && data_io::IsRecordingFolder(read) &&
+                                 fs::equivalent(fs::absolute(out).parent_path(), read, error);
+    if (is_in_recording || fs::equivalent(out, read, error))
       throw UsageError("--out is '{}', which this command reads, expected another name", out.string());
   }
 }
@@ -132,6 +137,7 @@ RunOutput::RunOutput(const fs::path& folder, std::string command, bool force, da
   replaces_ = OutputsToReplace(folder, command_, force).has_value();
   if (!directory_.found()) Register();
   const std::lock_guard lock(Unfinished().mutex);
+  if (directory_.found()) Unfinished().kept.insert(staging_);
   Unfinished().folders.insert(final_path());
 }
 
@@ -215,9 +221,10 @@ bool IsBeingWritten(const fs::path& folder) {
   });
 }
 
-bool RemoveUnfinishedOutputs() {
+LeftOutputs RemoveUnfinishedOutputs() {
   Registry& registry = Unfinished();
   const std::lock_guard lock(registry.mutex);
+  const bool any = !registry.staging.empty();
   for (const fs::path& staging : registry.staging) {
     // Repeats the removal: it fails if another thread writes a file meanwhile.
     std::error_code error;
@@ -227,7 +234,8 @@ bool RemoveUnfinishedOutputs() {
     }
   }
   registry.staging.clear();
-  return !registry.kept.empty();
+  if (!registry.kept.empty()) return LeftOutputs::kKept;
+  return any ? LeftOutputs::kRemoved : LeftOutputs::kNone;
 }
 
 }  // namespace sonarcal::cli

@@ -92,8 +92,9 @@ class RunOutput {
 // True if `folder`, by whatever path, is that of a RunOutput, not of one Beside, that exists.
 bool IsBeingWritten(const std::filesystem::path& folder);
 
-// Removes staged files of runs that are not committed. For the end of an interrupted program. Returns whether
-// something was kept for a later run.
-bool RemoveUnfinishedOutputs();
+// Removes staged files of runs that are not committed. For the end of an interrupted program. Returns what
+// became of them: there were none, they were removed, or something was kept for a later run.
+enum class LeftOutputs { kNone, kRemoved, kKept };
+LeftOutputs RemoveUnfinishedOutputs();
 
 }  // namespace sonarcal::cli

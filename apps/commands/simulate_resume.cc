@@ -3,13 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <optional>
+#include <string_view>
+#include <system_error>
 
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
+#include "data_io/files/file_bytes.h"
 #include "data_io/files/hash.h"
+#include "data_io/json/json_document.h"
 #include "data_io/parameters/parameters_io.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/recordings/recording_json.h"
@@ -61,9 +66,9 @@ std::string Differences(const Json& then, const Json& now) {
 // Reads "made_of" of the frames in a folder; nullopt without frames.
 std::optional<Json> ReadMadeOf(const fs::path& folder) {
   const fs::path file = folder / "provenance.json";
-  std::ifstream stream(file);
-  if (!stream) return std::nullopt;
-  const Json json = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return std::nullopt;
+  const auto json = data_io::ParseLeniently<Json>(data_io::ReadFileBytes(file, data_io::kMaxJsonBytes));
   if (!json.is_object() || !json.contains("made_of") || !json["made_of"].is_object()) {
     throw DataError(
         "{}: does not state the inputs of the frames, expected the provenance of an unfinished 'sonarcal "
@@ -71,6 +76,18 @@ std::optional<Json> ReadMadeOf(const fs::path& folder) {
         file.string());
   }
   return json["made_of"];
+}
+
+// False for a file that a power failure left empty or, if it is a PNG, without its end.
+bool IsWhole(const fs::path& file) {
+  constexpr std::string_view kEndOfPng("IEND\xae\x42\x60\x82", 8);
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  if (!stream || stream.tellg() <= 0) return false;
+  if (file.extension() != ".png") return true;
+  std::array<char, kEndOfPng.size()> end{};
+  stream.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
+  stream.read(end.data(), end.size());
+  return stream && std::string_view(end.data(), end.size()) == kEndOfPng;
 }
 
 }  // namespace
@@ -130,10 +147,8 @@ FinishedFrames::FinishedFrames(const cli::RunOutput& output, const Json& made_of
 
 bool FinishedFrames::Has(const std::string& image, const std::vector<std::string>& beside) const {
   const auto lie_in = [&](const fs::path& folder) {
-    std::error_code error;
-    return fs::exists(folder / image, error) &&
-           std::all_of(beside.begin(), beside.end(),
-                       [&](const std::string& file) { return fs::exists(folder / file, error); });
+    return IsWhole(folder / image) &&
+           std::ranges::all_of(beside, [&](const std::string& file) { return IsWhole(folder / file); });
   };
   return (!aside_.empty() && lie_in(aside_)) || (images_in_folder_.contains(image) && lie_in(folder_));
 }

@@ -161,10 +161,40 @@ class TreeBuilder final : public nlohmann::json_sax<nlohmann::json> {
 
 }  // namespace
 
+JsonSize SizeOfJson(std::string_view text) {
+  JsonSize size;
+  std::size_t depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      in_string = c != '"';
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      ++size.values;
+      size.depth = std::max(size.depth, ++depth);
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    } else if (c == ',') {
+      ++size.values;
+    }
+  }
+  return size;
+}
+
+void CheckNoTextBehindNul(std::string_view text, const std::string& file) {
+  const std::size_t nul = text.find('\0');
+  if (text.find_first_not_of('\0', nul) == std::string_view::npos) return;
+  throw DataError("{}: byte {} is NUL, expected text", file, nul);
+}
+
 JsonNode ParseJson(std::string_view text, const std::string& file) {
   if (text.size() > kMaxJsonBytes) {
     throw DataError("{}: {} bytes of JSON, expected at most {}", file, text.size(), kMaxJsonBytes);
   }
+  CheckNoTextBehindNul(text, file);
   return TreeBuilder(text, file).Build();
 }
 

@@ -37,6 +37,25 @@ struct JsonMember {
   JsonNode value;
 };
 
+// Depth of nesting and number of values of a text, counted from brackets and commas. In text that is not
+// JSON the counts may be wrong after the first error, which is where a parser stops.
+struct JsonSize {
+  std::size_t depth = 0;
+  std::size_t values = 1;
+};
+JsonSize SizeOfJson(std::string_view text);
+
+// Parses a text as `Json`, a type of nlohmann::json. Discarded (is_discarded()) if it is not JSON, or nested
+// so deeply that a copy of it could exhaust the stack.
+template <typename Json>
+Json ParseLeniently(std::string_view text) {
+  if (SizeOfJson(text).depth > kMaxJsonDepth) return Json(Json::value_t::discarded);
+  return Json::parse(text, nullptr, /*allow_exceptions=*/false);
+}
+
+// Throws DataError if something follows a NUL byte, where parsers end. NUL bytes at the end are padding.
+void CheckNoTextBehindNul(std::string_view text, const std::string& file);
+
 // `file` is the name used in error messages.
 JsonNode ParseJson(std::string_view text, const std::string& file);
 

@@ -14,6 +14,7 @@
 #include "core/types/printable.h"
 #include "data_io/files/byte_reader.h"
 #include "data_io/files/file_bytes.h"
+#include "data_io/json/json_document.h"
 
 namespace sonarcal::data_io {
 namespace {
@@ -62,37 +63,17 @@ Parts Split(std::string_view bytes, const std::string& file) {
   return binary ? SplitGlb(bytes, file) : Parts{.binary = false, .json = bytes, .bin = {}};
 }
 
-// Checks nesting and number of values, counted from brackets and commas before a tree is built. In text that
-// is not JSON the count may be wrong after the first error, which is where the parser stops.
+// Checks nesting and number of values before a tree is built.
 void CheckJsonSize(std::string_view text, const std::string& file) {
-  int depth = 0;
-  std::size_t values = 1;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      in_string = c != '"';
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      ++depth;
-      ++values;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    } else if (c == ',') {
-      ++values;
-    }
-    if (depth > kMaxGltfJsonDepth) {
-      throw DataError("{}: JSON nested deeper than {} levels", file, kMaxGltfJsonDepth);
-    }
-    if (values > kMaxGltfJsonValues) {
-      throw DataError("{}: more than {} JSON values", file, kMaxGltfJsonValues);
-    }
-  }
+  const JsonSize size = SizeOfJson(text);
+  if (size.depth > kMaxGltfJsonDepth)
+    throw DataError("{}: JSON nested deeper than {} levels", file, kMaxGltfJsonDepth);
+  if (size.values > kMaxGltfJsonValues)
+    throw DataError("{}: more than {} JSON values", file, kMaxGltfJsonValues);
 }
 
 Json Parse(std::string_view text, const std::string& file) {
+  CheckNoTextBehindNul(text, file);
   CheckJsonSize(text, file);
   try {
     return Json::parse(text);

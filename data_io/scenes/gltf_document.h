@@ -16,7 +16,7 @@ namespace sonarcal::data_io {
 
 // limit of a file, and of all buffers together
 inline constexpr std::size_t kMaxGltfBytes = std::size_t{1} << 30;
-inline constexpr int kMaxGltfJsonDepth = 32;
+inline constexpr std::size_t kMaxGltfJsonDepth = 32;
 inline constexpr std::size_t kMaxGltfJsonValues = 500'000;
 inline constexpr std::size_t kMaxGltfMaterials = 4096;
 

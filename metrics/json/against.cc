@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "data_io/json/json_document.h"
 #include "metrics/figures.h"
 #include "metrics/json/metrics_json.h"
 
@@ -184,7 +185,7 @@ std::optional<double> ExplainedFraction(double badness_before, double badness_af
 
 Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text,
                        const std::string& earlier_name) {
-  const nlohmann::json earlier = nlohmann::json::parse(earlier_text, nullptr, false);
+  const nlohmann::json earlier = data_io::ParseLeniently<nlohmann::json>(earlier_text);
   if (!earlier.is_object() || earlier.value("format", nlohmann::json()) != "sonar-metrics/1" ||
       !earlier.contains("macro")) {
     throw DataError("{}: found no comparison, expected a metrics.json of format sonar-metrics/1",
