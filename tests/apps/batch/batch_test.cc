@@ -428,6 +428,31 @@ TEST_F(BatchTest, AFolderOfOtherFilesIsRefused) {
   EXPECT_EQ(RunSonarcal(Batch("out")).status, 0);
 }
 
+TEST_F(BatchTest, AFolderThatWasMovedIsTheSameBatch) {
+  WritePlan("48x100", "1");
+  ASSERT_EQ(RunSonarcal(Batch("out")).status, 0);
+  fs::rename(world_ / "out", world_ / "moved");
+  const Outcome outcome = RunSonarcal(Batch("moved"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(CountOf(world_ / "moved", "started"), 4) << "no job is run twice";
+}
+
+TEST_F(BatchTest, JobsRunWithoutStandardStreams) {
+  WritePlan("48x100", "1");
+  const std::string batch = fmt::format("{} {} <&- >&- 2>&-", SONARCAL_BINARY, Batch("out"));
+  // Nothing can be printed, which the status says.
+  EXPECT_NE(std::system(batch.c_str()), 0);
+  EXPECT_EQ(CountOf(world_ / "out", "done"), 4);
+  EXPECT_EQ(CountOf(world_ / "out", "failed"), 0);
+}
+
+TEST_F(BatchTest, LargeWholeNumbersKeepTheirDigits) {
+  WritePlan("48x100", "9007199254740993, 9007199254740992");
+  const Outcome listed = RunSonarcal(Batch("out", "--dry-run --json"));
+  ASSERT_EQ(listed.status, 0) << listed.err;
+  EXPECT_THAT(listed.out, HasSubstr("--seed 9007199254740993"));
+}
+
 TEST_F(BatchTest, DryRunListsAndDoesNothing) {
   WritePlan();
   const Outcome outcome = RunSonarcal(Batch("out", "--dry-run --json"));
@@ -464,6 +489,8 @@ TEST_F(BatchTest, InvalidPlansAreRefusedWithFileAndLine) {
        "expected one of simulate, compare, fit"},
       {R"({"format": "sonarcal-batch/1", "entries": [{"name": "../a", "command": "fit"}]})",
        "as for a folder"},
+      {R"({"format": "sonarcal-batch/1", "entries": [{"name": "logs", "command": "fit"}]})",
+       "a name that the batch itself uses"},
       {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "fit"}, {"name": "a", "command": "fit"}]})",
        "another entry has already"},
       {R"({"format": "sonarcal-batch/1", "entries": [{"name": "a", "command": "simulate"},

@@ -1,14 +1,22 @@
 // What a new user types: help, misspelt words, --verbose, --log and --options.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -189,6 +197,64 @@ TEST(MessagesTest, OptionsThatContradictEachOtherAreRefused) {
   EXPECT_FALSE(std::filesystem::exists(dir / "out"));
 }
 
+TEST(MessagesTest, NoLogReplacesAFileOfTheUser) {
+  const testing::TempDir dir;
+  WriteFile(dir / "params.json", "{}");
+  const Outcome outcome = RunSonarcal("sonars --quiet --log " + Quoted(dir / "params.json"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("holds something else than messages"));
+  EXPECT_EQ(ReadFile(dir / "params.json"), "{}");
+}
+
+TEST(MessagesTest, APipeThatNobodyReadsIsNoLog) {
+  const testing::TempDir dir;
+  ASSERT_EQ(mkfifo((dir / "pipe").c_str(), 0600), 0);
+  const Outcome outcome = RunSonarcal("sonars --quiet --log " + Quoted(dir / "pipe"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("a pipe that nobody reads"));
+}
+
+// The program waits for room in a pipe that nobody reads: a signal must end it nevertheless.
+TEST(MessagesTest, ASignalEndsAProgramWhoseOutputNobodyReads) {
+  std::array<int, 2> results{};
+  ASSERT_EQ(pipe(results.data()), 0);
+  ASSERT_GT(fcntl(results[1], F_SETPIPE_SZ, 4096), 0);
+  const pid_t process = fork();
+  if (process == 0) {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, SIG_DFL);
+    dup2(results[1], STDOUT_FILENO);
+    execl(SONARCAL_BINARY, "sonarcal", "sonars", "--json", nullptr);
+    _exit(127);
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  int status = 0;
+  ASSERT_EQ(waitpid(process, &status, WNOHANG), 0) << "the text fits into the pipe";
+  kill(process, SIGTERM);
+  pid_t ended = 0;
+  for (int i = 0; i < 100 && ended == 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ended = waitpid(process, &status, WNOHANG);
+  }
+  if (ended == 0) {
+    kill(process, SIGKILL);
+    waitpid(process, &status, 0);
+  }
+  close(results[0]);
+  close(results[1]);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGTERM);
+}
+
+TEST(MessagesTest, AnOptionIsNoValueOfAnother) {
+  const testing::TempDir dir;
+  for (const char* words : {"--only --surface", "--only=", "--log= --surface"}) {
+    const Outcome outcome = RunSonarcal(Scenes(dir / "out") + " " + words);
+    EXPECT_EQ(outcome.status, 2) << words;
+    EXPECT_THAT(outcome.err, HasSubstr("value")) << words;
+    EXPECT_FALSE(std::filesystem::exists(dir / "out"));
+  }
+}
+
 TEST(OptionsFileTest, OptionsComeFromTheFileAndTheCommandLineWins) {
   const testing::TempDir dir;
   WriteFile(dir / "scenes.toml",
@@ -214,6 +280,7 @@ TEST(OptionsFileTest, MistakesAreNamed) {
   EXPECT_THAT(refusal("seeed = 3\n"),
               HasSubstr("o.toml: unknown option 'seeed' of sonarcal scenes, did you mean 'seed'?"));
   EXPECT_THAT(refusal("options = \"x\"\n"), HasSubstr("unknown option 'options'"));
+  EXPECT_THAT(refusal("only = \"\"\n"), HasSubstr("only has no value"));
   EXPECT_THAT(refusal("surface = 3\n"), HasSubstr("surface is '3', expected true or false"));
   EXPECT_THAT(refusal("[scenes]\nseed = 3\n"), HasSubstr("has the section [scenes]"));
   EXPECT_THAT(RunSonarcal("scenes --options /nowhere").err, HasSubstr("/nowhere: no such file"));

@@ -164,6 +164,18 @@ TEST_F(CompareCommand, OtherDisplaysAreRefusedUnlessAsked) {
   EXPECT_EQ(RunSonarcal(Arguments("--as-displayed")).status, 0);
 }
 
+TEST_F(CompareCommand, DeepJsonIsRefused) {
+  testing::WriteFile(world_ / "deep.json", R"({"format":)" + std::string(200'000, '['));
+  const Outcome against = RunSonarcal(Arguments("--against " + Quoted(world_ / "deep.json")));
+  EXPECT_EQ(against.status, 1);
+  EXPECT_THAT(against.err, HasSubstr("found no comparison"));
+  std::filesystem::create_directories(world_ / "out");
+  testing::WriteFile(world_ / "out/provenance.json", R"({"outputs":)" + std::string(200'000, '['));
+  const Outcome into = RunSonarcal(Arguments());
+  EXPECT_EQ(into.status, 1);
+  EXPECT_TRUE(IsOneSentence(into.err)) << into.err;
+}
+
 TEST_F(CompareCommand, ReportsWhatGotWorseSinceAnEarlierRun) {
   ASSERT_EQ(RunSonarcal(Arguments()).status, 0);
   const std::filesystem::path earlier = world_ / "earlier.json";

@@ -175,6 +175,19 @@ TEST_F(SimulateResume, AnInterruptionLeavesARecordingThatCanBeGoneOnWith) {
   EXPECT_EQ(Contents(world_ / "out"), Uninterrupted());
 }
 
+// As a power failure leaves them.
+TEST_F(SimulateResume, FramesWithoutTheirEndAreMadeAgain) {
+  const int status = EndAt(5, SIGINT, "-q");
+  ASSERT_TRUE(WIFEXITED(status));
+  ASSERT_EQ(WEXITSTATUS(status), 130);
+  const fs::path folder = world_ / "out";
+  fs::resize_file(folder / "frame_0000.png", fs::file_size(folder / "frame_0000.png") / 2);
+  fs::resize_file(folder / "frame_0001.png", 0);
+  const Outcome resumed = RunSonarcal(Arguments("out", "-q --resume"));
+  ASSERT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_EQ(Contents(folder), Uninterrupted());
+}
+
 TEST_F(SimulateResume, AnInterruptedSecondRunLeavesTheRecordingOfTheFirst) {
   ASSERT_EQ(RunSonarcal(Arguments("out", "-q --frames :2")).status, 0);
   const std::map<std::string, std::string> first = Contents(world_ / "out");

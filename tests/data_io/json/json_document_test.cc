@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 
@@ -25,6 +27,22 @@ const JsonNode& Member(const JsonNode& object, std::string_view key) {
     if (member.key == key) return member.value;
   }
   throw DataError("no member {}", key);
+}
+
+TEST(JsonDocumentTest, TextBehindANulByteIsRefused) {
+  using std::string_literals::operator""s;
+  EXPECT_THAT(RefusalOfJson("{}\0 x"s), HasSubstr("byte 2 is NUL"));
+  EXPECT_EQ(ParseJson("{}\n\0\0"s, "x").line, 1) << "padding";
+}
+
+// Brackets in strings do not count.
+TEST(JsonDocumentTest, DeepTextIsDiscarded) {
+  EXPECT_EQ(SizeOfJson(R"([{"a[[": "\"[", "b": [1, 2]}])").depth, 3U);
+  EXPECT_EQ(SizeOfJson(R"([{"a[[": "\"[", "b": [1, 2]}])").values, 6U);
+  const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  EXPECT_FALSE(ParseLeniently<nlohmann::json>(nested(kMaxJsonDepth)).is_discarded());
+  EXPECT_TRUE(ParseLeniently<nlohmann::json>(nested(kMaxJsonDepth + 1)).is_discarded());
+  EXPECT_TRUE(ParseLeniently<nlohmann::json>(std::string(1'000'000, '[')).is_discarded());
 }
 
 TEST(JsonDocumentTest, EveryValueKnowsItsLine) {
