@@ -204,7 +204,7 @@ TEST(RunOutputTest, AnInterruptionLeavesNothingBehind) {
   RunOutput output(dir / "out", "convert", /*force=*/false);
   testing::WriteFile(output / "half.json", "{");
   ASSERT_FALSE(std::filesystem::is_empty(dir.path()));
-  EXPECT_FALSE(RemoveUnfinishedOutputs()) << "nothing is kept";
+  EXPECT_EQ(RemoveUnfinishedOutputs(), LeftOutputs::kRemoved);
   EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
 }
 
@@ -214,10 +214,12 @@ TEST(RunOutputTest, AnInterruptionLeavesWhatIsKeptUntilItEnds) {
     RunOutput output(dir / "out", "calibrate", /*force=*/false, data_io::Aside::kAnew);
     testing::WriteFile(output / "half.json", "{");
     output.Keep();
-    EXPECT_TRUE(RemoveUnfinishedOutputs());
+    EXPECT_EQ(RemoveUnfinishedOutputs(), LeftOutputs::kKept);
     EXPECT_TRUE(std::filesystem::exists(output / "half.json"));
   }
-  EXPECT_FALSE(RemoveUnfinishedOutputs()) << "that run has ended";
+  EXPECT_EQ(RemoveUnfinishedOutputs(), LeftOutputs::kNone) << "that run has ended";
+  const RunOutput again(dir / "out", "calibrate", /*force=*/false, data_io::Aside::kFound);
+  EXPECT_EQ(RemoveUnfinishedOutputs(), LeftOutputs::kKept) << "what a later run has found";
 }
 
 }  // namespace
