@@ -262,11 +262,11 @@ cli::ExitStatus RunCompare(const CompareCommandOptions& options) {
       MakeReport(metrics, shown, static_cast<int>(pictured.size()), cli::ProvenanceToJson(provenance));
   report::WriteReport(report, output.staging());
   cli::WriteProvenance(output.staging(), provenance);
+  output.Commit();  // before a threshold whose figure is unknown ends the command
   const std::vector<std::string> passed =
       thresholds.empty()
           ? std::vector<std::string>()
           : metrics::PassedThresholds(thresholds, Json::parse(metrics::MetricsSummaryJson(metrics)));
-  output.Commit();
 
   for (const std::string& note : metrics.notes) cli::PrintNote(options.common, "note: " + note);
   if (options.common.json) {

@@ -90,7 +90,9 @@ TEST_F(CompareCommand, AThresholdThatIsPassedIsStatusFour) {
   EXPECT_EQ(outcome.status, 4);
   EXPECT_THAT(outcome.err, HasSubstr("intensity_error.polar"));
   EXPECT_TRUE(std::filesystem::exists(world_ / "out/metrics.json")) << "the figures are wanted all the same";
+  std::filesystem::remove_all(world_ / "out");
   EXPECT_EQ(RunSonarcal(Arguments("--fail-above no_such_figure=1")).status, 2);
+  EXPECT_TRUE(std::filesystem::exists(world_ / "out/metrics.json")) << "an unknown name costs no result";
   EXPECT_EQ(RunSonarcal(Arguments("--fail-above iou")).status, 2);
 }
 
