@@ -193,7 +193,11 @@ TEST_F(ExportCommandTest, WhatNoExportWroteIsNotReplaced) {
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("thesis.txt: exists, and no earlier run of this command wrote it"));
   EXPECT_EQ(testing::ReadFile(dir_ / "thesis.txt"), "mine");
-  EXPECT_EQ(Export(npz + Out("rec/frame_0000.png")).status, 1);
+  const std::string frame = testing::ReadFile(dir_ / "rec/frame_0000.png");
+  const Outcome of_input = Export(npz + Out("rec/frame_0000.png") + " --force");
+  EXPECT_EQ(of_input.status, 2);
+  EXPECT_THAT(of_input.err, HasSubstr("which this command reads"));
+  EXPECT_EQ(testing::ReadFile(dir_ / "rec/frame_0000.png"), frame);
   const std::string dave = "--to dave --sonar p900-45 --params " + Quoted(dir_ / "p.json");
   const Outcome input = Export(dave + Out("p.json") + " --force");
   EXPECT_EQ(input.status, 2);
