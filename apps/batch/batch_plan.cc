@@ -157,12 +157,13 @@ std::string Filled(const std::string& text, const std::vector<const BatchJob*>& 
   return filled;
 }
 
-std::vector<std::string> ArgumentsOf(const Chosen& chosen) {
+std::vector<std::string> ArgumentsOf(const Chosen& chosen, const CLI::App& command) {
   std::vector<std::string> arguments;
   for (const auto& [name, value] : chosen) {
-    if (value == "false") continue;
+    const bool is_flag = command.get_option("--" + name)->get_items_expected_max() == 0;
+    if (is_flag && value == "false") continue;
     arguments.push_back("--" + name);
-    if (value != "true") arguments.push_back(value);
+    if (!is_flag) arguments.push_back(value);
   }
   return arguments;
 }
@@ -266,7 +267,7 @@ class Reader {
       for (const BatchJob* job_before : before) key_before += job_before->key;
     }
     job.options.insert(chosen.begin(), chosen.end());
-    job.arguments = ArgumentsOf(chosen);
+    job.arguments = ArgumentsOf(chosen, *root_.get_subcommand(command));
     job.key = KeyOf(job, plan_.folder, out_, key_before, digests_);
     index_of_job_[id] = plan_.jobs.size();
     plan_.jobs.push_back(std::move(job));

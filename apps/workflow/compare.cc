@@ -357,6 +357,10 @@ metrics::SweepOptions SweepOf(const CompareOptions& options) {
   return sweep;
 }
 
+std::string NameOfEarlier(const CompareOptions& options) {
+  return options.against.file.empty() ? "against" : options.against.file.string();
+}
+
 // Search boxes of the object. A frame without any pose has none, and throws DataError if it is compared.
 std::map<int, metrics::PixelBox> ObjectBoxes(const RecordingSource& real, const RecordingSource& simulated,
                                              const std::vector<int>& compared, const SceneGeometry& geometry,
@@ -413,6 +417,7 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
                         .frames = {},
                         .metrics = {}};
   CompareRecordingsOptions& compare = comparison.options;
+  if (options.against) metrics::CheckIsComparison(*options.against.value, NameOfEarlier(options));
   compare.compare.sweep = SweepOf(options);
   compare.compare.Check();
   compare.frames = options.frames;
@@ -452,8 +457,7 @@ Comparison Compare(const RecordingSource& real, const RecordingSource& simulated
         DrawFloor(simulated, comparison.frames, *options.params.value, metrics.options, compare.boxes);
   }
   if (options.against) {
-    const std::string where = options.against.file.empty() ? "against" : options.against.file.string();
-    metrics.against = metrics::CompareAgainst(metrics, *options.against.value, where);
+    metrics.against = metrics::CompareAgainst(metrics, *options.against.value, NameOfEarlier(options));
   }
   return comparison;
 }

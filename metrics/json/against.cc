@@ -170,6 +170,14 @@ std::vector<std::string> Notes(const MetricsReport& now, const nlohmann::json& n
   return notes;
 }
 
+nlohmann::json ParseComparison(const std::string& text, const std::string& name) {
+  auto json = data_io::ParseLeniently<nlohmann::json>(text);
+  if (!json.is_object() || json.value("format", nlohmann::json()) != "sonar-metrics/1" ||
+      !json.contains("macro"))
+    throw DataError("{}: found no comparison, expected a metrics.json of format sonar-metrics/1", name);
+  return json;
+}
+
 }  // namespace
 
 int Against::Count(ChangeVerdict verdict, bool headline_only) const {
@@ -183,14 +191,13 @@ std::optional<double> ExplainedFraction(double badness_before, double badness_af
   return (badness_before - badness_after) / (badness_before - badness_floor);
 }
 
+void CheckIsComparison(const std::string& earlier_text, const std::string& earlier_name) {
+  ParseComparison(earlier_text, earlier_name);
+}
+
 Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text,
                        const std::string& earlier_name) {
-  const nlohmann::json earlier = data_io::ParseLeniently<nlohmann::json>(earlier_text);
-  if (!earlier.is_object() || earlier.value("format", nlohmann::json()) != "sonar-metrics/1" ||
-      !earlier.contains("macro")) {
-    throw DataError("{}: found no comparison, expected a metrics.json of format sonar-metrics/1",
-                    earlier_name);
-  }
+  const nlohmann::json earlier = ParseComparison(earlier_text, earlier_name);
   const nlohmann::json& macro = earlier["macro"];
   const std::vector<Pair> pairs = CommonFrames(now, earlier);
   const bool paired = static_cast<int>(pairs.size()) >= kBootstrapMinFrames;

@@ -62,6 +62,9 @@ struct Against {
   int Count(ChangeVerdict verdict, bool headline_only) const;
 };
 
+// Throws DataError if the text is no metrics.json, before a long comparison.
+void CheckIsComparison(const std::string& earlier_text, const std::string& earlier_name);
+
 // `earlier_text` is the text of a metrics.json, `earlier_name` its name in messages. Throws DataError if the
 // text is not valid.
 Against CompareAgainst(const MetricsReport& now, const std::string& earlier_text,

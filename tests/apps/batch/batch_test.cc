@@ -446,6 +446,17 @@ TEST_F(BatchTest, JobsRunWithoutStandardStreams) {
   EXPECT_EQ(CountOf(world_ / "out", "failed"), 0);
 }
 
+TEST_F(BatchTest, TextThatLooksLikeAFlagStaysAValue) {
+  testing::WriteFile(world_ / "plan.json", R"({"format": "sonarcal-batch/1", "entries": [
+      {"name": "a", "command": "compare", "options": {"real": "false", "sim": "true", "as-displayed": true}}]})");
+  const Outcome listed = RunSonarcal(Batch("out", "--dry-run --json"));
+  ASSERT_EQ(listed.status, 0) << listed.err;
+  const std::string line = Json::parse(listed.out).at("jobs").at(0).at("command_line");
+  EXPECT_THAT(line, HasSubstr("--real false"));
+  EXPECT_THAT(line, HasSubstr("--sim true"));
+  EXPECT_THAT(line, HasSubstr("--as-displayed"));
+}
+
 TEST_F(BatchTest, LargeWholeNumbersKeepTheirDigits) {
   WritePlan("48x100", "9007199254740993, 9007199254740992");
   const Outcome listed = RunSonarcal(Batch("out", "--dry-run --json"));
