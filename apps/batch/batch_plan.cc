@@ -52,8 +52,8 @@ std::string WordOf(const data_io::JsonReader& value, const CLI::Option& option) 
   if (const auto given = IfOfThisKind([&] { return value.Bool(); })) {
     value.Fail(fmt::format("is {}, expected a value of --{}", *given, option.get_lnames().front()));
   }
-  constexpr auto kLimits = std::numeric_limits<std::int64_t>();
-  if (const auto whole = IfOfThisKind([&] { return value.Integer(kLimits.min(), kLimits.max()); }))
+  using Limits = std::numeric_limits<std::int64_t>;
+  if (const auto whole = IfOfThisKind([&] { return value.Integer(Limits::min(), Limits::max()); }))
     return fmt::format("{}", *whole);
   if (const auto number = IfOfThisKind([&] { return value.Number(); })) return fmt::format("{}", *number);
   return value.String();
