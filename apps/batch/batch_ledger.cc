@@ -68,7 +68,7 @@ void BatchLedger::CheckFolder() const {
   if (fs::exists(file_)) return;
   // A batch that was killed before its first job has only these.
   const auto is_of_batch = [](const fs::directory_entry& entry) {
-    return entry.path().filename() == "locks" || entry.path().filename() == "logs";
+    return entry.path().filename() == kLocksFolder || entry.path().filename() == kLogsFolder;
   };
   const fs::path folder = file_.parent_path();
   if (std::ranges::all_of(fs::directory_iterator(folder), is_of_batch)) return;
@@ -130,7 +130,7 @@ void BatchLedger::Failed(const std::string& job, const std::string& key, int sta
 }
 
 JobLock::JobLock(const fs::path& folder, const std::string& job, bool wait) {
-  fs::path file = folder / "locks" / job;
+  fs::path file = folder / kLocksFolder / job;
   file += ".lock";
   fs::create_directories(file.parent_path());
   descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);

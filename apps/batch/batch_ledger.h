@@ -14,6 +14,13 @@
 
 namespace sonarcal::batch {
 
+// Files and folders of a batch beside the outputs of its jobs.
+inline constexpr const char* kLedgerFile = "ledger.jsonl";
+inline constexpr const char* kLocksFolder = "locks";
+inline constexpr const char* kLogsFolder = "logs";
+inline constexpr const char* kSummaryCsvFile = "summary.csv";
+inline constexpr const char* kSummaryJsonFile = "summary.json";
+
 struct LedgerState {
   enum class Event { kStarted, kDone, kFailed };
   Event event = Event::kStarted;  // latest event
@@ -26,7 +33,7 @@ struct LedgerState {
 class BatchLedger {
  public:
   // `folder` must exist. The ledger is its ledger.jsonl, which may be missing.
-  explicit BatchLedger(const std::filesystem::path& folder) : file_(folder / "ledger.jsonl") {}
+  explicit BatchLedger(const std::filesystem::path& folder) : file_(folder / kLedgerFile) {}
 
   const std::filesystem::path& file() const { return file_; }
 

@@ -14,6 +14,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/batch/batch_ledger.h"
 #include "core/types/error.h"
 #include "data_io/files/hash.h"
 #include "data_io/json/json_reader.h"
@@ -280,8 +281,8 @@ class Reader {
                           std::all_of(name.begin(), name.end(), [](unsigned char c) {
                             return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
                           });
-    constexpr std::array<std::string_view, 5> kOwnNames = {"ledger.jsonl", "locks", "logs", "summary.csv",
-                                                           "summary.json"};
+    constexpr std::array<std::string_view, 5> kOwnNames = {kLedgerFile, kLocksFolder, kLogsFolder,
+                                                           kSummaryCsvFile, kSummaryJsonFile};
     if (std::ranges::find(kOwnNames, name) != kOwnNames.end())
       json.Fail(fmt::format("is '{}', a name that the batch itself uses, expected another", name));
     if (!is_plain)

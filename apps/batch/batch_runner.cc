@@ -79,7 +79,7 @@ std::vector<JobState> BatchRunner::JobStates() {
 }
 
 fs::path BatchRunner::LogOf(const BatchJob& job) const {
-  fs::path log = out_ / "logs" / job.id;
+  fs::path log = out_ / kLogsFolder / job.id;
   log += ".log";
   return log;
 }

@@ -45,7 +45,7 @@ class BatchRunner {
 
   std::filesystem::path LogOf(const BatchJob& job) const;
   std::vector<std::string> CommandLineOf(const BatchJob& job) const;
-  // State by the ledger; absent: not in it. A job that is done and whose output was deleted has to run again.
+  // State by the ledger; absent: not in it. A finished job whose output was deleted counts as started only.
   std::optional<LedgerState> StateOf(const BatchJob& job);
   bool IsDone(const BatchJob& job);
   // Records and returns true if the complete output exists, from a run that was killed before it recorded

@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::optional<Json> ReadIfThere(const std::filesystem::path& file) {
-  constexpr std::size_t kMaxBytes = 1UL << 32U;  // a comparison of a million frames
+  constexpr std::size_t kMaxBytes = 1UL << 32U;  // metrics.json grows with the number of frames
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return {};
   Json json = data_io::ParseLeniently<Json>(data_io::ReadFileBytes(file, kMaxBytes));

@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <new>
 #include <string_view>
@@ -157,18 +156,6 @@ struct MessageOptions {
   bool verbose = false;
   std::filesystem::path log;
 };
-
-// True for a file that is empty or begins with the time of a message.
-bool IsLog(const std::filesystem::path& file) {
-  constexpr std::string_view kForm = "0000-00-00T00:00:00";
-  std::ifstream stream(file, std::ios::binary);
-  std::string begin(kForm.size(), '\0');
-  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  if (stream.gcount() == 0) return true;
-  std::ranges::replace_if(
-      begin, [](char c) { return c >= '0' && c <= '9'; }, '0');
-  return begin == kForm;
-}
 
 // Throws UsageError for a file that no run wrote as a log, for a pipe that nobody reads, and for a log in the
 // output folder, which must be empty before a run.

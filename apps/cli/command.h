@@ -29,12 +29,11 @@ namespace sonarcal::cli {
 
 enum class ExitStatus {
   kDone = 0,
-  kFailed = 1,      // bad data, or a failed run
-  kUsage = 2,       // wrong command line
-  kNoSolution = 3,  // a fit has no usable solution
-  kThreshold = 4,   // a figure exceeded a threshold of --fail-above
-  kInterrupted =
-      130,  // stopped in time by any signal; otherwise the signal ends it (apps/cli/interruption.h)
+  kFailed = 1,         // bad data, or a failed run
+  kUsage = 2,          // wrong command line
+  kNoSolution = 3,     // a fit has no usable solution
+  kThreshold = 4,      // a figure exceeded a threshold of --fail-above
+  kInterrupted = 130,  // a command that stops by itself after a signal (apps/cli/interruption.h)
 };
 
 // Options of every command.

@@ -6,10 +6,12 @@
 #include <cerrno>
 #include <chrono>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "core/types/error.h"
@@ -59,6 +61,17 @@ void WriteToLog(Destinations& destinations, std::string_view line) {
 }
 
 }  // namespace
+
+bool IsLog(const std::filesystem::path& file) {
+  constexpr std::string_view kForm = "0000-00-00T00:00:00";  // LocalTime() begins so
+  std::ifstream stream(file, std::ios::binary);
+  std::string begin(kForm.size(), '\0');
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  if (stream.gcount() == 0) return true;
+  std::ranges::replace_if(
+      begin, [](char c) { return c >= '0' && c <= '9'; }, '0');
+  return begin == kForm;
+}
 
 void StartMessages(const MessageSettings& settings) {
   Destinations& destinations = Current();

@@ -22,6 +22,9 @@ struct MessageSettings {
   std::filesystem::path log;  // empty: none. Appends to a file that exists.
 };
 
+// True for a file that is empty or begins as a log does, with the time of a message.
+bool IsLog(const std::filesystem::path& file);
+
 // Sets the destinations for the rest of the program. --quiet is left to the callers of kNote, see PrintNote
 // in apps/cli/command.h. Throws DataError if the log cannot be written.
 void StartMessages(const MessageSettings& settings);

@@ -28,8 +28,9 @@ CLI::Option* AddOutFolder(CLI::App& command, std::filesystem::path& out, CommonO
 // hidden files. RunOutput checks this too; this function is for commands that write late.
 void CheckOutFolder(const std::filesystem::path& folder, const std::string& command, bool force);
 
-// Throws UsageError if `out` is one of the inputs, or the folder of one that is a recording.json, by whatever
-// path. For commands whose outputs have the form of their inputs.
+// Throws UsageError if `out` is, by whatever path, one of the inputs, the folder of one that is a
+// recording.json, or a file in the folder of a recording. For commands whose outputs have the form of their
+// inputs.
 void RefuseInputAsOutput(const std::filesystem::path& out, const std::vector<std::filesystem::path>& inputs);
 
 // Throws as RefuseInputAsOutput does, and DataError if there is a file at `out` that no earlier run wrote,

@@ -77,8 +77,8 @@ cli::ExitStatus ListJobs(const BatchOptions& options, const batch::BatchPlan& pl
 cli::ExitStatus Finish(const BatchOptions& options, const fs::path& out, batch::BatchRunner& runner) {
   const Json summary = batch::BatchSummaryJson(runner.plan(), runner.States(), out);
   cli::RunOutput output = cli::RunOutput::Beside(out);
-  data_io::WriteFileWhole(output / "summary.csv", batch::BatchSummaryCsv(summary));
-  data_io::WriteJson(output / "summary.json", summary);
+  data_io::WriteFileWhole(output / batch::kSummaryCsvFile, batch::BatchSummaryCsv(summary));
+  data_io::WriteJson(output / batch::kSummaryJsonFile, summary);
   output.Commit();
   const int done = summary.at("done");
   const int failed = summary.at("failed");
