@@ -528,10 +528,9 @@ class AcousticFitter {
     report.cost_initial = cost_initial_;
     report.iterations = iterations_;
     if (result.usable && !settled_) {
-      report.warnings.push_back(fmt::format(
-          "beam, pulse or poses still moved when the fit ended, after {} rounds of tracing: their "
-          "values may still change, and the standard errors do not hold",
-          poses_.empty() ? kJointRounds : options_.joint_steps));
+      report.warnings.emplace_back(
+          "beam, pulse or poses still moved when the fit ended: their values may still change, and the "
+          "standard errors do not hold");
     }
     return result;
   }
