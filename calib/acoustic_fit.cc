@@ -100,7 +100,6 @@ class AcousticFitter {
                  const ParameterSet& initial, const FitConfig& given, const FitOptions& options)
       : options_(options),
         simulator_(simulator),
-        frames_(frames),
         config_(WithDefaults(given, initial, simulator.caster().scene())),
         few_rays_(simulator.shared_caster(), simulator.sonar(), WithFewerRays(simulator)),
         model_(std::make_unique<AcousticFrameModel>(
@@ -557,9 +556,8 @@ class AcousticFitter {
 
   const FitOptions& options_;
   const sim::Simulator& simulator_;  // as declared
-  const std::vector<AcousticFrame>& frames_;
-  FitConfig config_;  // with priors
-  FitConfig near_;    // as above, with the trust region about the present point
+  FitConfig config_;                 // with priors
+  FitConfig near_;                   // as above, with the trust region about the present point
   sim::Simulator few_rays_;
   std::unique_ptr<AcousticFrameModel> model_;
   std::vector<CatalogEntry> catalog_;
