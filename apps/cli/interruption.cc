@@ -1,6 +1,7 @@
 #include "apps/cli/interruption.h"
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -57,7 +58,8 @@ std::string_view EndOfSentence(LeftOutputs left) {
 
 // Ends the program by the signal, as a shell expects it.
 [[noreturn]] void EndBy(int signal, const sigset_t& signals, std::string_view why) {
-  PrintErrorIfRead(std::string(why).append(EndOfSentence(RemoveUnfinishedOutputs())));
+  const std::string_view end = EndOfSentence(RemoveUnfinishedOutputs());
+  if (signal != SIGPIPE || !end.empty()) PrintErrorIfRead(std::string(why).append(end));
   std::signal(signal, SIG_DFL);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::raise(signal);
@@ -78,7 +80,9 @@ void DiscardCopy(int signal) {
 void WaitForSignals(const sigset_t& signals) {
   int signal = 0;
   if (sigwait(&signals, &signal) != 0) return;
-  if (!command_can_stop) EndBy(signal, signals, "interrupted");
+  if (!command_can_stop) {
+    EndBy(signal, signals, signal == SIGPIPE ? "nobody reads the output any more" : "interrupted");
+  }
   command_was_asked = true;
   DiscardCopy(signal);
   constexpr timespec kMoment = {0, 600'000'000};
@@ -90,6 +94,20 @@ void WaitForSignals(const sigset_t& signals) {
     if (sigwait(&signals, &again) != 0) return;
   }
   EndBy(again < 0 ? signal : again, signals, again < 0 ? "interrupted" : "interrupted twice: ended at once");
+}
+
+pthread_t waiting_thread;
+
+// Passes a signal of the thread that writes on to the one that waits for signals, once.
+void PassOn(int signal) {
+  std::signal(signal, SIG_IGN);
+  pthread_kill(waiting_thread, signal);
+  while (!command_can_stop) pause();  // the program ends
+}
+
+bool IsIgnored(int signal) {
+  struct sigaction inherited = {};
+  return sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN;
 }
 
 }  // namespace
@@ -111,17 +129,24 @@ bool Interruption::asked() const {
 
 // A signal handler must not remove folders. So a separate thread waits for the signals, and all others block
 // them. A signal that the caller ignores, as under nohup, stays ignored: blocked, it would reach that thread.
+// SIGPIPE goes to the thread that writes into a pipe without a reader, so its handler passes it on.
 void HandleSignals() {
   sigset_t signals;
   sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    struct sigaction inherited = {};
-    const bool is_ignored = sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN;
-    if (!is_ignored) sigaddset(&signals, signal);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+    if (!IsIgnored(signal)) sigaddset(&signals, signal);
   }
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGXFSZ, SIG_IGN);  // a file above `ulimit -f` is an error of its write, which has a sentence
-  std::thread([signals] { WaitForSignals(signals); }).detach();
+  std::thread waiting([signals] { WaitForSignals(signals); });
+  waiting_thread = waiting.native_handle();
+  waiting.detach();
+  if (sigismember(&signals, SIGPIPE) != 1) return;
+  std::signal(SIGPIPE, PassOn);
+  sigset_t pipe;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  pthread_sigmask(SIG_UNBLOCK, &pipe, nullptr);
 }
 
 void CommandHasEnded() {

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <cstddef>
 #include <optional>
 #include <set>
+#include <sstream>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -13,6 +15,7 @@
 #include "core/text/nearest_word.h"
 #include "core/types/error.h"
 #include "core/types/printable.h"
+#include "data_io/files/file_bytes.h"
 
 namespace sonarcal::cli {
 namespace {
@@ -48,9 +51,13 @@ bool IsGiven(const CLI::Option& option, const std::vector<std::string>& words) {
 }
 
 std::vector<CLI::ConfigItem> ReadItems(const std::string& file) {
-  if (!std::filesystem::is_regular_file(file)) throw DataError("{}: no such file, expected options", file);
+  constexpr std::size_t kMaxBytes = 1 << 20;
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors begin each text with it
+  std::string text = data_io::ReadFileBytes(file, kMaxBytes);
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  std::istringstream stream(text);
   try {
-    return CLI::ConfigTOML().from_file(file);
+    return CLI::ConfigTOML().from_config(stream);
   } catch (const CLI::Error& error) {
     throw DataError("{}: {}, expected lines NAME = VALUE", file, error.what());
   }

@@ -44,9 +44,10 @@ std::string PresenceText(const data_io::PublicRecording& recording, data_io::Rec
       return fmt::format("{} exists, but {} in it differs from the published file",
                          (folder / recording.name).string(), recording.witness);
     case data_io::RecordingPresence::kAbsent:
-      return recording.commit.empty()
-                 ? "not here; address only: download it by hand"
-                 : fmt::format("not here; get it with scripts/fetch_recording.sh {}", recording.name);
+      return fmt::format("not in {}; {}", folder.string(),
+                         recording.commit.empty()
+                             ? "address only: download it by hand"
+                             : "get it with scripts/fetch_recording.sh " + recording.name);
   }
   return {};
 }

@@ -2,7 +2,6 @@
 // tank comparison, start to end, and the same on a real sonar's frames if the recordings are present.
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -28,6 +27,7 @@
 #include "data_io/files/atomic_output.h"
 #include "data_io/open_recording.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/recordings/recording_catalogue.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/scene_io.h"
 
@@ -75,8 +75,7 @@ std::filesystem::path RecordingsFolder(const ReproduceOptions& options) {
     }
     return options.recordings;
   }
-  const char* variable = std::getenv("SONARCAL_RECORDINGS");
-  return variable != nullptr && *variable != '\0' ? std::filesystem::path(variable) : "recordings";
+  return data_io::DefaultRecordingsFolder();
 }
 
 reproduce::ShownRecording Show(const std::string& name, const std::filesystem::path& path) {

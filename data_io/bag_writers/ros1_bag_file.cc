@@ -1,6 +1,7 @@
 #include "data_io/bag_writers/ros1_bag_file.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <span>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "core/types/error.h"
 #include "data_io/files/byte_reader.h"
 #include "data_io/files/compression.h"
+#include "data_io/files/file_bytes.h"
 #include "data_io/ros/ros1_records.h"
 #include "data_io/ros/ros_messages.h"
 
@@ -89,12 +91,13 @@ void Ros1BagFile::Close() {
   stream_.seekp(static_cast<std::streamoff>(kRos1Magic.size()));
   PutBagHeader(index_at);
   stream_.close();
-  if (!stream_) throw DataError("{}: cannot be written: is the disk full?", name_);
+  if (!stream_) FailToWrite(name_);
 }
 
 void Ros1BagFile::Put(std::string_view bytes) {
+  errno = 0;
   stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!stream_) throw DataError("{}: cannot be written at byte {}", name_, offset_);
+  if (!stream_) FailToWrite(name_);
   offset_ += bytes.size();
 }
 

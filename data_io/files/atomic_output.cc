@@ -11,16 +11,8 @@
 #include "data_io/files/folder_path.h"
 
 namespace sonarcal::data_io {
-namespace {
 
 namespace fs = std::filesystem;
-
-std::error_code LastError() {
-  const int number = errno;
-  return std::error_code(number != 0 ? number : EIO, std::generic_category());
-}
-
-}  // namespace
 
 void WriteFileWhole(const fs::path& file, std::string_view bytes) {
   RefuseWhatIsNoFile(file);

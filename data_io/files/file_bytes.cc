@@ -41,6 +41,10 @@ int WriteAll(int descriptor, std::span<const std::byte> bytes) {
   return 0;
 }
 
+std::error_code LastError() {
+  return {errno != 0 ? errno : EIO, std::generic_category()};
+}
+
 void FailToWrite(const std::filesystem::path& path, const std::error_code& error) {
   throw DataError("{}: cannot be written: {}", path.string(), error.message());
 }

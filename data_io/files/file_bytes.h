@@ -17,8 +17,12 @@ std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_byt
 // take a part of them.
 int WriteAll(int descriptor, std::span<const std::byte> bytes);
 
+// Error of the last call of the system that failed (errno). EIO if none has, since errno was set to 0. Streams do
+// not keep it.
+std::error_code LastError();
+
 // Throws DataError: `path` cannot be written.
-[[noreturn]] void FailToWrite(const std::filesystem::path& path, const std::error_code& error);
+[[noreturn]] void FailToWrite(const std::filesystem::path& path, const std::error_code& error = LastError());
 
 // Throws DataError if a directory or device has this name, so that no file can replace it.
 void RefuseWhatIsNoFile(const std::filesystem::path& path);

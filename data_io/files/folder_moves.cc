@@ -36,7 +36,7 @@ void WriteOutdated(const fs::path& file, const Names& outdated) {
   std::ofstream stream(file, std::ios::binary);
   for (const fs::path& name : outdated) stream << name.string() << '\0';
   stream.close();
-  if (!stream) FailToWrite(file, std::error_code(errno != 0 ? errno : EIO, std::generic_category()));
+  if (!stream) FailToWrite(file);
 }
 
 Names ReadOutdated(const fs::path& file) {

@@ -1,6 +1,7 @@
 #include "data_io/mcap/mcap_writer.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <limits>
 #include <span>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "core/types/error.h"
 #include "data_io/files/byte_reader.h"
 #include "data_io/files/compression.h"
+#include "data_io/files/file_bytes.h"
 #include "data_io/mcap/mcap_records.h"
 
 namespace sonarcal::data_io {
@@ -131,12 +133,13 @@ void McapWriter::Close() {
   Put(Content().U32(crc_).bytes());
   Put(kMcapMagic);
   stream_.close();
-  if (!stream_) throw DataError("{}: cannot be written", name_);
+  if (!stream_) FailToWrite(name_);
 }
 
 void McapWriter::Put(std::string_view bytes) {
+  errno = 0;
   stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!stream_) throw DataError("{}: cannot be written", name_);
+  if (!stream_) FailToWrite(name_);
   offset_ += bytes.size();
   crc_ = McapCrc(bytes, crc_);
 }

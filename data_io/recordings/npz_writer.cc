@@ -5,17 +5,20 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
 #include "core/types/units.h"
+#include "data_io/files/file_bytes.h"
 #include "data_io/json/json_writer.h"
 #include "data_io/recordings/frame_storage.h"
 #include "data_io/recordings/recording_json.h"
@@ -86,8 +89,8 @@ class Zip {
     if (status != ARCHIVE_OK) Fail();
   }
   [[noreturn]] void Fail() {
-    const char* why = archive_error_string(archive_.get());
-    throw DataError("{}: cannot be written: {}", file_.string(), why == nullptr ? "unknown" : why);
+    const int number = archive_errno(archive_.get());
+    FailToWrite(file_, {number > 0 ? number : EIO, std::generic_category()});
   }
 
   std::filesystem::path file_;

@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <system_error>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/videoio.hpp>
@@ -12,6 +14,7 @@
 #include "core/types/error.h"
 #include "core/types/units.h"
 #include "data_io/bag_trajectory.h"
+#include "data_io/bag_writers/mcap_recording_writer.h"
 #include "data_io/bag_writers/ros1_bag_writer.h"
 #include "data_io/images/image_io.h"
 #include "data_io/open_recording.h"
@@ -21,12 +24,14 @@
 #include "data_io/recordings/npz_writer.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/ros/bag_recording.h"
+#include "tests/data_io/refusal.h"
 #include "tests/support/temp_dir.h"
 
 namespace sonarcal::data_io {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::MessageOf;
 using testing::TempDir;
 using Json = nlohmann::json;
 
@@ -360,6 +365,15 @@ TEST(NpzWriterTest, TheSameRecordingGivesTheSameBytes) {
   WriteNpz(Recording(), dir / "a.npz");
   WriteNpz(Recording(), dir / "b.npz");
   EXPECT_EQ(testing::ReadFile(dir / "a.npz"), testing::ReadFile(dir / "b.npz"));
+}
+
+TEST(FullDiskTest, EachWriterGivesTheReasonOfTheSystem) {
+  const std::filesystem::path full = "/dev/full";
+  if (!std::filesystem::exists(full)) GTEST_SKIP() << "needs /dev/full";
+  const std::string expected = "/dev/full: cannot be written: " + std::generic_category().message(ENOSPC);
+  EXPECT_EQ(MessageOf([&] { WriteRos1Bag(Recording(), full); }), expected);
+  EXPECT_EQ(MessageOf([&] { WriteMcapRecording(Recording(), {}, "a test", full); }), expected);
+  EXPECT_EQ(MessageOf([&] { WriteNpz(Recording(), full); }), expected);
 }
 
 TEST(FanPicturesTest, OurReaderFindsAxesAndGreyValues) {

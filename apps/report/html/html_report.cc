@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
 #include <functional>
 #include <iterator>
 
 #include "apps/report/html/html_text.h"
 #include "apps/report/html/report_css.h"
 #include "apps/report/html/report_script.h"
-#include "core/types/error.h"
+#include "data_io/files/atomic_output.h"
 #include "data_io/images/image_io.h"
 #include "data_io/pictures/picture.h"
 
@@ -369,11 +368,7 @@ std::string HtmlReport::Html() const {
 }
 
 void HtmlReport::Write(const std::filesystem::path& path) const {
-  std::ofstream stream(path, std::ios::binary);
-  const std::string html = Html();
-  stream.write(html.data(), static_cast<std::streamsize>(html.size()));
-  stream.close();
-  if (!stream) throw DataError("cannot write {}: is the disk full?", path.string());
+  data_io::WriteFileWhole(path, Html());
 }
 
 }  // namespace sonarcal::report

@@ -245,6 +245,27 @@ TEST(MessagesTest, ASignalEndsAProgramWhoseOutputNobodyReads) {
   EXPECT_EQ(WTERMSIG(status), SIGTERM);
 }
 
+// `sonarcal ... | head`: the signal of the pipe must not leave unfinished outputs behind.
+TEST(MessagesTest, APipeWithoutAReaderLeavesNoUnfinishedOutputs) {
+  const testing::TempDir dir;
+  std::array<int, 2> messages{};
+  ASSERT_EQ(pipe(messages.data()), 0);
+  close(messages[0]);
+  const pid_t process = fork();
+  if (process == 0) {
+    std::signal(SIGPIPE, SIG_DFL);
+    dup2(messages[1], STDERR_FILENO);
+    execl(SONARCAL_BINARY, "sonarcal", "reproduce", "--quick", "--out", (dir / "out").c_str(), nullptr);
+    _exit(127);
+  }
+  close(messages[1]);
+  int status = 0;
+  waitpid(process, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << WEXITSTATUS(status);
+  EXPECT_EQ(WTERMSIG(status), SIGPIPE);
+  EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
+}
+
 TEST(MessagesTest, AnOptionIsNoValueOfAnother) {
   const testing::TempDir dir;
   for (const char* words : {"--only --surface", "--only=", "--log= --surface"}) {
@@ -258,7 +279,8 @@ TEST(MessagesTest, AnOptionIsNoValueOfAnother) {
 TEST(OptionsFileTest, OptionsComeFromTheFileAndTheCommandLineWins) {
   const testing::TempDir dir;
   WriteFile(dir / "scenes.toml",
-            "# a test\nonly = [\"tank\", \"jacket\"]\nedge = 2\nsurface = true\nbed = false\n"
+            "\xEF\xBB\xBF# a test, behind a byte order mark\nonly = [\"tank\", \"jacket\"]\nedge = "
+            "2\nsurface = true\nbed = false\n"
             "out = \"/nowhere/at/all\"\nseed = 3\n");
   const Outcome outcome = RunSonarcal("scenes --options " + Quoted(dir / "scenes.toml") + " --seed 4 --out " +
                                       Quoted(dir / "paper"));
