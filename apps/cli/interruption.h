@@ -1,6 +1,6 @@
 // Effect of SIGINT (Ctrl-C), SIGTERM, SIGHUP and SIGPIPE (nobody reads the output any more): they remove
-// unfinished outputs and end the program. A signal that the program inherits as ignored stays ignored, such as
-// SIGHUP under nohup. A long command that can stop and keep its finished outputs declares it:
+// unfinished outputs and end the program. A signal that the program inherits as ignored stays ignored, such
+// as SIGHUP under nohup. A long command that can stop and keep its finished outputs declares it:
 //
 //   const Interruption interruption;
 //   for (...; !interruption.asked(); ...) { ... }

@@ -17,8 +17,8 @@ std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_byt
 // take a part of them.
 int WriteAll(int descriptor, std::span<const std::byte> bytes);
 
-// Error of the last call of the system that failed (errno). EIO if none has, since errno was set to 0. Streams do
-// not keep it.
+// Error of the last system call that failed (errno), EIO if none has since errno was set to 0. Streams do not
+// keep it.
 std::error_code LastError();
 
 // Throws DataError: `path` cannot be written.
