@@ -6,7 +6,7 @@
 #   scripts/fuzz.sh --table [TARGET ...]               only prints the table
 #
 #   --plain   without sanitizers, more than twice as many inputs in the same time: only crashes, failed assertions of the
-#             standard library, wrong exceptions, hangs and memory are found. Then runs all inputs kept with sanitizers.
+#             standard library, wrong exceptions, hangs and too much memory are found. Then runs all kept inputs with sanitizers.
 #
 # Ends with a table on standard output: how many inputs each target has run, and how much of the parser they reach.
 # Inputs it makes up stay in build-fuzz/found/TARGET, to go on from; one that breaks something is kept in
@@ -18,8 +18,10 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 seconds=60
 runs=
 preset=fuzz
+builds=(fuzz)
 if [[ "${1:-}" == --plain ]]; then
   preset=fuzz-plain
+  builds+=(fuzz-plain)
   shift
 fi
 case "${1:-}" in
@@ -42,7 +44,7 @@ case "${1:-}" in
     ;;
 esac
 command -v clang++ >/dev/null || fail "there is no clang++: install clang (Debian's, with its compiler-rt)"
-for build in fuzz "$preset"; do
+for build in "${builds[@]}"; do
   (cd "$root" && quietly "Configuring build-$build/" cmake --preset "$build") || fail "cmake cannot configure build-$build/"
   say "Building the targets in build-$build/ ..."
   cmake --build "$root/build-$build" --target fuzzers >&2 || fail "the build failed, its errors are above"
@@ -98,9 +100,9 @@ fuzz() {
   done
 }
 
-# rerun TARGET: runs the inputs kept with sanitizers
+# rerun TARGET: runs all kept inputs once, with sanitizers
 rerun() {
-  say "$1, the inputs kept, with sanitizers"
+  say "$1, all kept inputs with sanitizers"
   libfuzzer fuzz "$1" -runs=0 >&2
 }
 

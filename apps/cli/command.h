@@ -59,8 +59,8 @@ void OnRun(CLI::App* command, CommonOptions& common, std::function<ExitStatus()>
 void SetUpRoot(CLI::App& app);
 
 // Parses the command line and runs the selected command. Converts every failure to one sentence and an exit
-// status. SIGINT and SIGTERM remove unfinished outputs (apps/cli/run_output.h) and end the program. If the
-// command can keep finished outputs, they ask it to stop (apps/cli/interruption.h).
+// status. A signal such as SIGINT removes unfinished outputs (apps/cli/run_output.h) and ends the program. If
+// the command can keep finished outputs, it is asked to stop (apps/cli/interruption.h).
 int RunApp(CLI::App& app, int argc, const char* const* argv);
 
 // Returns the words of the command line of RunApp, for provenance.

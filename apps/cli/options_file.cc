@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 #include <sstream>
-#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -52,10 +51,8 @@ bool IsGiven(const CLI::Option& option, const std::vector<std::string>& words) {
 
 std::vector<CLI::ConfigItem> ReadItems(const std::string& file) {
   constexpr std::size_t kMaxBytes = 1 << 20;
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors begin each text with it
-  std::string text = data_io::ReadFileBytes(file, kMaxBytes);
-  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
-  std::istringstream stream(text);
+  const std::string bytes = data_io::ReadFileBytes(file, kMaxBytes);
+  std::istringstream stream{std::string(data_io::WithoutByteOrderMark(bytes))};
   try {
     return CLI::ConfigTOML().from_config(stream);
   } catch (const CLI::Error& error) {

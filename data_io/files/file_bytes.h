@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 namespace sonarcal::data_io {
@@ -12,6 +13,9 @@ namespace sonarcal::data_io {
 // Throws DataError if the file is absent, unreadable, not a regular file, or longer than `max_bytes` (checked
 // before any allocation).
 std::string ReadFileBytes(const std::filesystem::path& file, std::size_t max_bytes);
+
+// Returns the text behind the byte order mark of UTF-8, with which some editors begin a file.
+std::string_view WithoutByteOrderMark(std::string_view text);
 
 // Writes all bytes to an open file or pipe. Returns 0, or the number of the error (errno). A full disk may
 // take a part of them.

@@ -9,6 +9,7 @@
 #include "core/types/error.h"
 #include "core/types/parse_number.h"
 #include "core/types/printable.h"
+#include "data_io/files/file_bytes.h"
 #include "data_io/files/text_words.h"
 #include "data_io/scenes/cad_mesh.h"
 #include "data_io/scenes/polygon.h"
@@ -40,8 +41,8 @@ class ObjReader {
   explicit ObjReader(const std::string& file) : file_(file) {}
 
   CadMesh Read(std::string_view bytes) {
-    if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);  // byte order mark of UTF-8
-    std::string joined;                                             // lines joined by a backslash
+    bytes = WithoutByteOrderMark(bytes);
+    std::string joined;  // lines joined by a backslash
     while (!bytes.empty()) {
       const std::size_t end = std::min(bytes.find('\n'), bytes.size());
       std::string_view line = bytes.substr(0, end);

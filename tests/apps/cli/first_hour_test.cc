@@ -279,8 +279,8 @@ TEST(MessagesTest, AnOptionIsNoValueOfAnother) {
 TEST(OptionsFileTest, OptionsComeFromTheFileAndTheCommandLineWins) {
   const testing::TempDir dir;
   WriteFile(dir / "scenes.toml",
-            "\xEF\xBB\xBF# a test, behind a byte order mark\nonly = [\"tank\", \"jacket\"]\nedge = "
-            "2\nsurface = true\nbed = false\n"
+            "\xEF\xBB\xBF# a test, behind a byte order mark\nonly = [\"tank\", \"jacket\"]\n"
+            "edge = 2\nsurface = true\nbed = false\n"
             "out = \"/nowhere/at/all\"\nseed = 3\n");
   const Outcome outcome = RunSonarcal("scenes --options " + Quoted(dir / "scenes.toml") + " --seed 4 --out " +
                                       Quoted(dir / "paper"));
