@@ -112,17 +112,25 @@ int ParseFailure(const CLI::App& root, const CLI::ParseError& error) {
               fmt::format("{} (see '{} --help')", UsageMistake(root, chosen, error), chosen.path()));
 }
 
+// A variable of the shell that is not set leaves such words.
+void CheckWords(const std::vector<std::string>& words) {
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    if (word.empty())
+      throw UsageError("the argument after '{}' is empty, expected a value", Printable(words[i - 1]));
+    if (word.starts_with("--") && word.find('=') == word.size() - 1)
+      throw UsageError("{} has no value, expected one behind it", word.substr(0, word.size() - 1));
+  }
+}
+
 int ParseAndRun(CLI::App& app, std::vector<std::string> words) {
   try {
     if (!words.empty() && words.front() == "help") {  // "sonarcal help fit" is "sonarcal fit --help"
       words.erase(words.begin());
       words.emplace_back("--help");
     }
+    CheckWords(words);
     AddOptionsFromFile(app, words);
-    for (const std::string& word : words) {
-      if (word.starts_with("--") && word.find('=') == word.size() - 1)
-        throw UsageError("{} has no value, expected one behind it", word.substr(0, word.size() - 1));
-    }
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(std::move(words));
     return static_cast<int>(ExitStatus::kDone);
@@ -169,8 +177,7 @@ void CheckLog(const CLI::App& command, const std::filesystem::path& log) {
     close(descriptor);
   }
   if (std::filesystem::is_regular_file(log, error) && !IsLog(log))
-    throw UsageError("--log {} holds something else than messages, expected a new file or a log",
-                     log.string());
+    throw UsageError("--log {} is a file without messages, expected a new file or a log", log.string());
   const CLI::Option* out = command.get_option_no_throw("--out");
   if (out == nullptr || out->count() == 0) return;
   const auto whole = [](const std::filesystem::path& path) {

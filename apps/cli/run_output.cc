@@ -82,8 +82,7 @@ std::optional<std::set<fs::path>> OutputsToReplace(const fs::path& folder, const
   if (force) return std::nullopt;
   throw DataError(
       "{}: {}, expected a new or empty folder, one that 'sonarcal {}' wrote, or --force, which replaces "
-      "files "
-      "of the same names and leaves the others",
+      "files of the same names and leaves the others",
       folder.string(),
       earlier ? fmt::format("holds the outputs of 'sonarcal {}'", earlier->command)
               : "holds files, and no provenance.json that lists them as outputs of this program",

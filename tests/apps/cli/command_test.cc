@@ -93,9 +93,16 @@ TEST(CommandTest, AFileAboveTheLimitOfItsSizeIsASentence) {
   EXPECT_TRUE(std::filesystem::is_empty(dir.path()));
 }
 
-TEST(CommandTest, AnOutputFolderMustHaveANameAndBeNoLinkToNothing) {
+TEST(CommandTest, AnEmptyArgumentIsRefused) {
+  for (const std::string arguments : {"inspect", "scenes --out", "scenes --log", "scenes --options"}) {
+    const Outcome outcome = RunSonarcal(arguments + " ''");
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_THAT(outcome.err, HasSubstr("' is empty, expected a value")) << arguments;
+  }
+}
+
+TEST(CommandTest, AnOutputFolderIsNoLinkToNothing) {
   const testing::TempDir dir;
-  EXPECT_EQ(RunSonarcal("scenes --only tank --out ''").status, 2);
   std::filesystem::create_symlink("nowhere", dir / "link");
   const Outcome outcome = RunSonarcal("scenes --only tank --out " + Quoted(dir / "link"));
   EXPECT_EQ(outcome.status, 1);

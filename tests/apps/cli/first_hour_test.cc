@@ -202,7 +202,7 @@ TEST(MessagesTest, NoLogReplacesAFileOfTheUser) {
   WriteFile(dir / "params.json", "{}");
   const Outcome outcome = RunSonarcal("sonars --quiet --log " + Quoted(dir / "params.json"));
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("holds something else than messages"));
+  EXPECT_THAT(outcome.err, HasSubstr("is a file without messages"));
   EXPECT_EQ(ReadFile(dir / "params.json"), "{}");
 }
 
