@@ -66,7 +66,7 @@ class Stripes : public BothWays {
  protected:
   static constexpr double kHeightM = 0.75;
 
-  Grid<float> Floor(int rows) const {
+  static Grid<float> Floor(int rows) {
     Scene scene;
     AddQuad(scene, {-20, -1, 0}, {40, 0, 0}, {0, 25, 0}, "floor");
     return Render(scene, P900(), Fan(256, rows), LevelAt(0, 0, kHeightM));

@@ -224,7 +224,8 @@ void ExpectSame(const Json& merged, const Json& whole, const std::string& where)
   } else if (whole.is_structured()) {
     ASSERT_EQ(merged.size(), whole.size()) << where;
     for (const auto& [key, value] : whole.items())
-      ExpectSame(whole.is_array() ? merged.at(std::stoul(key)) : merged.at(key), value, where + "." + key);
+      ExpectSame(whole.is_array() ? merged.at(std::stoul(key)) : merged.at(key), value,
+                 fmt::format("{}.{}", where, key));
   } else {
     EXPECT_EQ(merged, whole) << where;
   }

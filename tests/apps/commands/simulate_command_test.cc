@@ -338,8 +338,9 @@ TEST(SimulateCommand, FrozenSpeckleStaysWhileNothingMoves) {
   data_io::WritePoses(world.poses(), poses);
   for (const std::string model : {"acoustic --noise", "coherent"}) {
     const auto frames_are_one = [&](const std::string& name, const std::string& extra) {
-      const Outcome outcome = RunSonarcal(world.SimulateArguments() + " -q --model " + model + extra +
-                                          " --out " + Quoted(world / (name + model)));
+      const Outcome outcome =
+          RunSonarcal(fmt::format("{} -q --model {}{} --out {}", world.SimulateArguments(), model, extra,
+                                  Quoted(world / (name + model))));
       EXPECT_EQ(outcome.status, 0) << outcome.err;
       return testing::ReadFile(world / (name + model + "/frame_0000.png")) ==
              testing::ReadFile(world / (name + model + "/frame_0001.png"));
@@ -415,7 +416,7 @@ TEST(SimulateCommand, TooManyBeamsAreRefused) {
   for (const auto& [model, columns] :
        {std::pair<std::string, int>{"paper", 200'000}, {"acoustic", 400'000}, {"coherent", 400'000}}) {
     const Outcome outcome =
-        RunSonarcal(default_rays + " --model " + model + " --out " + Quoted(world / "sim"));
+        RunSonarcal(fmt::format("{} --model {} --out {}", default_rays, model, Quoted(world / "sim")));
     EXPECT_EQ(outcome.status, 1) << model;
     EXPECT_TRUE(IsOneSentence(outcome.err)) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr(fmt::format("100000 beams need {} columns of rays", columns)));
