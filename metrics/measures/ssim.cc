@@ -34,7 +34,7 @@ cv::Mat1b WholeWindows(const Grid<float>& image, const Mask* inside) {
     auto out = whole.begin();
     for (const std::uint8_t set : inside->values()) *out++ = set;
   }
-  const cv::Mat window = cv::Mat::ones(kSsimWindowPx, kSsimWindowPx, CV_8U);
+  const cv::Mat1b window(kSsimWindowPx, kSsimWindowPx, std::uint8_t{1});
   cv::erode(whole, whole, window, cv::Point(-1, -1), 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   return whole;
 }

@@ -27,7 +27,6 @@ using testing::Outcome;
 using testing::Quoted;
 using testing::ReadJsonFile;
 using testing::RunSonarcal;
-using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
 
 // Each job's events, in the order of the ledger.
