@@ -112,14 +112,15 @@ int ParseFailure(const CLI::App& root, const CLI::ParseError& error) {
               fmt::format("{} (see '{} --help')", UsageMistake(root, chosen, error), chosen.path()));
 }
 
-// A variable of the shell that is not set leaves such words.
+// Refuses an empty argument and `--name=`. A shell variable that is not set leaves them.
 void CheckWords(const std::vector<std::string>& words) {
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    const std::string& word = words[i];
+  std::string before = "sonarcal";
+  for (const std::string& word : words) {
     if (word.empty())
-      throw UsageError("the argument after '{}' is empty, expected a value", Printable(words[i - 1]));
+      throw UsageError("the argument after '{}' is empty, expected a value", Printable(before));
     if (word.starts_with("--") && word.find('=') == word.size() - 1)
       throw UsageError("{} has no value, expected one behind it", word.substr(0, word.size() - 1));
+    before = word;
   }
 }
 

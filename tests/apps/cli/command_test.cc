@@ -94,7 +94,7 @@ TEST(CommandTest, AFileAboveTheLimitOfItsSizeIsASentence) {
 }
 
 TEST(CommandTest, AnEmptyArgumentIsRefused) {
-  for (const std::string arguments : {"inspect", "scenes --out", "scenes --log", "scenes --options"}) {
+  for (const std::string arguments : {"", "inspect", "scenes --out", "scenes --log", "scenes --options"}) {
     const Outcome outcome = RunSonarcal(arguments + " ''");
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_THAT(outcome.err, HasSubstr("' is empty, expected a value")) << arguments;
