@@ -24,15 +24,20 @@ if(SONARCAL_SHELLCHECK)
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
 endif()
 
+# Limits that end only tests that hang.
+set(limit_s 600)
+set(guide_limit_s 1200)
 set(consumer_flags "-Wall")
 if(SONARCAL_SANITIZERS)
+  set(limit_s 6000)
+  set(guide_limit_s 12000)
   string(APPEND consumer_flags " -fsanitize=${SONARCAL_SANITIZERS}")
 endif()
 add_test(NAME consumer
   COMMAND ${CMAKE_COMMAND} -DBUILD_DIR=${PROJECT_BINARY_DIR} -DSOURCE_DIR=${PROJECT_SOURCE_DIR}/tests/consumer
     -DGENERATOR=${CMAKE_GENERATOR} -DCXX=${CMAKE_CXX_COMPILER} -DFLAGS=${consumer_flags}
     -P ${PROJECT_SOURCE_DIR}/tests/consumer/run.cmake)
-set_tests_properties(consumer PROPERTIES TIMEOUT 600)
+set_tests_properties(consumer PROPERTIES TIMEOUT ${limit_s})
 
 # The program as it is installed and described: its package, its manual pages and completion, its guide.
 if(SONARCAL_BUILD_APPS)
@@ -41,13 +46,13 @@ if(SONARCAL_BUILD_APPS)
   add_test(NAME guide
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py ${PROJECT_SOURCE_DIR}/docs/guide
       $<TARGET_FILE:sonarcal>)
-  set_tests_properties(guide PROPERTIES TIMEOUT 1200)
+  set_tests_properties(guide PROPERTIES TIMEOUT ${guide_limit_s})
   add_test(NAME guide_self_test
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/guide_test.py --self-test)
   add_test(NAME schema
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/schema_test.py $<TARGET_FILE:sonarcal>
       $<TARGET_FILE:sonarcal_read_documents>)
-  set_tests_properties(schema PROPERTIES TIMEOUT 600)
+  set_tests_properties(schema PROPERTIES TIMEOUT ${limit_s})
   add_test(NAME make_aris3000_recording
     COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/make_aris3000_recording_test.py
       $<TARGET_FILE:sonarcal>)
@@ -58,18 +63,18 @@ if(SONARCAL_BUILD_APPS)
     add_test(NAME package
       COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/package_test.py ${PROJECT_BINARY_DIR}
         ${CMAKE_CPACK_COMMAND})
-    set_tests_properties(package PROPERTIES TIMEOUT 600)
+    set_tests_properties(package PROPERTIES TIMEOUT ${limit_s})
   endif()
   if(SONARCAL_DOXYGEN)
     add_test(NAME api_reference
       COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/api_reference_test.py ${SONARCAL_DOXYGEN}
         ${PROJECT_BINARY_DIR}/Doxyfile)
-    set_tests_properties(api_reference PROPERTIES TIMEOUT 600)
+    set_tests_properties(api_reference PROPERTIES TIMEOUT ${limit_s})
   endif()
   if(SONARCAL_DOCS_SITE)
     add_test(NAME docs_site
       COMMAND Python::Interpreter ${PROJECT_SOURCE_DIR}/tests/docs_site_test.py ${PROJECT_BINARY_DIR}
         ${SONARCAL_DOCS_SITE})
-    set_tests_properties(docs_site PROPERTIES TIMEOUT 600)
+    set_tests_properties(docs_site PROPERTIES TIMEOUT ${limit_s})
   endif()
 endif()

@@ -50,7 +50,7 @@ void LockWhole(int descriptor, const fs::path& file) {
   }
 }
 
-LedgerState StateOf(const Json& line) {
+LedgerState StateOf(const nlohmann::json& line) {
   const std::string event = line.at("event");
   LedgerState state;
   state.key = line.at("key");
@@ -85,9 +85,9 @@ const std::map<std::string, LedgerState>& BatchLedger::Read() {
     bytes_read_ += line.size() + 1;
     ++lines_read_;
     try {
-      const auto json = data_io::ParseLeniently<Json>(line);
+      const auto json = data_io::ParseLeniently(line);
       states_[json.at("job")] = StateOf(json);
-    } catch (const Json::exception&) {
+    } catch (const nlohmann::json::exception&) {
       throw DataError(R"({}:{}: is no line of a ledger, expected {{"job": ..., "key": ..., "event": ...}})",
                       file_.string(), lines_read_);
     }

@@ -17,18 +17,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::optional<Json> ReadIfThere(const std::filesystem::path& file) {
+std::optional<nlohmann::json> ReadIfThere(const std::filesystem::path& file) {
   constexpr std::size_t kMaxBytes = 1UL << 32U;  // metrics.json grows with the number of frames
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return {};
-  Json json = data_io::ParseLeniently<Json>(data_io::ReadFileBytes(file, kMaxBytes));
+  nlohmann::json json = data_io::ParseLeniently(data_io::ReadFileBytes(file, kMaxBytes));
   if (json.is_discarded()) return {};
   return json;
 }
 
 // Ratios and intensity errors of a comparison: "iou", "intensity_error.polar". The rest would make a hundred
 // columns and more; it is in the output of the job.
-void TakeNumbers(const Json& json, const std::string& prefix, Json& figures) {
+void TakeNumbers(const nlohmann::json& json, const std::string& prefix, Json& figures) {
   for (const auto& [name, value] : json.items()) {
     if (value.is_number()) figures[prefix + name] = value;
     if (name == "intensity_error") TakeNumbers(value, fmt::format("{}{}.", prefix, name), figures);

@@ -23,7 +23,6 @@ namespace sonarcal::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kProvenance = "provenance.json";
 
@@ -40,12 +39,6 @@ Registry& Unfinished() {
   return *registry;
 }
 
-Json ReadLeniently(const fs::path& file) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return {};
-  return data_io::ParseLeniently<Json>(data_io::ReadFileBytes(file, data_io::kMaxJsonBytes));
-}
-
 bool HoldsAnything(const fs::path& folder) {
   std::error_code error;
   return std::ranges::any_of(fs::directory_iterator(folder, error), [](const fs::directory_entry& entry) {
@@ -60,13 +53,16 @@ struct EarlierRun {
 
 // Run that wrote the folder, from provenance.json; nullopt if unknown.
 std::optional<EarlierRun> ReadEarlierRun(const fs::path& folder) {
-  const Json json = ReadLeniently(folder / kProvenance);
-  if (!json.is_object() || json.value("program", Json()) != "sonarcal") return std::nullopt;
-  const Json command = json.value("command", Json());
-  const Json outputs = json.value("outputs", Json());
+  const fs::path file = folder / kProvenance;
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return std::nullopt;
+  const nlohmann::json json = data_io::ParseLeniently(data_io::ReadFileBytes(file, data_io::kMaxJsonBytes));
+  if (!json.is_object() || json.value("program", nlohmann::json()) != "sonarcal") return std::nullopt;
+  const nlohmann::json command = json.value("command", nlohmann::json());
+  const nlohmann::json outputs = json.value("outputs", nlohmann::json());
   if (!command.is_string() || !outputs.is_array()) return std::nullopt;
   EarlierRun run{.command = command, .outputs = {}};
-  for (const Json& output : outputs) {
+  for (const nlohmann::json& output : outputs) {
     if (output.is_string()) run.outputs.insert(output.get<std::string>());
   }
   return run;
@@ -178,7 +174,9 @@ void RunOutput::ListOutputs(std::set<std::string> outputs) {
   if (goes_on_) {
     for (const fs::path& name : OutputsOfEarlierRun()) outputs.insert(name.generic_string());
   }
-  Json provenance = ReadLeniently(staging() / kProvenance);
+  // In its order. This run has written it.
+  auto provenance = nlohmann::ordered_json::parse(
+      data_io::ReadFileBytes(staging() / kProvenance, data_io::kMaxJsonBytes), nullptr, false);
   SONARCAL_CHECK(provenance.is_object(), "{}: no provenance of this run", final_path().string());
   provenance["outputs"] = outputs;
   data_io::WriteJson(staging() / kProvenance, provenance);

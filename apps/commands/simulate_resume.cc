@@ -44,16 +44,17 @@ std::string DigestOf(const std::vector<T>& values) {
   return data_io::Sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
-std::string TextOf(const Json& value) {
+std::string TextOf(const nlohmann::json& value) {
   if (value.is_null() || (value.is_array() && value.empty())) return "none";
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
 // Describes the differences between two runs; empty if they are equal.
-std::string Differences(const Json& then, const Json& now) {
+std::string Differences(const nlohmann::json& then, const Json& now) {
   std::string text;
-  for (const auto& [key, value] : now.items()) {
-    const Json before = then.contains(key) ? then[key] : Json();
+  for (const auto& [key, member] : now.items()) {
+    const nlohmann::json value = member;
+    const nlohmann::json before = then.contains(key) ? then[key] : nlohmann::json();
     if (before == value) continue;
     const bool is_digest = std::find(std::begin(kDigests), std::end(kDigests), key) != std::end(kDigests);
     text += text.empty() ? "" : ", ";
@@ -64,11 +65,11 @@ std::string Differences(const Json& then, const Json& now) {
 }
 
 // Reads "made_of" of the frames in a folder; nullopt without frames.
-std::optional<Json> ReadMadeOf(const fs::path& folder) {
+std::optional<nlohmann::json> ReadMadeOf(const fs::path& folder) {
   const fs::path file = folder / "provenance.json";
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
-  const auto json = data_io::ParseLeniently<Json>(data_io::ReadFileBytes(file, data_io::kMaxJsonBytes));
+  const nlohmann::json json = data_io::ParseLeniently(data_io::ReadFileBytes(file, data_io::kMaxJsonBytes));
   if (!json.is_object() || !json.contains("made_of") || !json["made_of"].is_object()) {
     throw DataError(
         "{}: does not state the inputs of the frames, expected the provenance of an unfinished 'sonarcal "
@@ -121,7 +122,7 @@ Json FramesMadeOf(const workflow::SimulatedRecording& recording, const std::stri
 }
 
 FinishedFrames::FinishedFrames(const cli::RunOutput& output, const Json& made_of) {
-  const auto check = [&](const Json& then) {
+  const auto check = [&](const nlohmann::json& then) {
     const std::string differences = Differences(then, made_of);
     if (differences.empty()) return;
     throw DataError("{}: cannot be resumed: it was made with {}", output.final_path().string(), differences);
@@ -133,7 +134,7 @@ FinishedFrames::FinishedFrames(const cli::RunOutput& output, const Json& made_of
   const fs::path folder = output.final_path();
   if (!data_io::IsRecordingFolder(folder)) return;
   const auto then = ReadMadeOf(folder);
-  if (!then || *then != made_of) {
+  if (!then || *then != nlohmann::json(made_of)) {
     if (!aside_.empty()) return;  // will be replaced by the staged frames
     if (then) check(*then);
     throw DataError("{}: cannot be resumed: it holds a recording, but no provenance.json", folder.string());

@@ -295,7 +295,8 @@ ViewAnswer ViewApi::StartFit(std::string_view body) {
     chosen = ReadPageOptions(json);
     chosen.materials = setup.materials;
     json.Finish();
-    state = ParseViewState(Json::parse(body)["state"].dump(), session_.frame_count());
+    // Not into an ordered_json: that takes seconds for an object of many members.
+    state = ParseViewState(nlohmann::json::parse(body)["state"].dump(), session_.frame_count());
   } catch (const DataError& error) {
     throw BadRequest(error.what());
   }

@@ -2,6 +2,7 @@
 // data_io/parameters/parameters_io.h their JSON form. Names in comments are those of `fit.json`.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -27,6 +28,9 @@ struct GsabParameters {
   bool operator==(const GsabParameters&) const = default;
 };
 inline constexpr int kGsabMembers = 6;
+
+// Max number of materials in a file of parameters, of named materials or of a scene.
+inline constexpr std::size_t kMaxMaterials = 4096;
 
 struct MaterialParameters {
   GsabParameters<double> gsab;

@@ -2,9 +2,9 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <unordered_set>
 
 #include <pugixml.hpp>
 
@@ -98,11 +98,11 @@ void YamlReader::Fail(std::string_view what) const {
 std::vector<std::pair<std::string, YamlReader>> YamlReader::Members() const {
   std::vector<std::pair<std::string, YamlReader>> members;
   if (!node_->yaml.IsMap()) return members;
+  std::unordered_set<std::string> keys;
   for (const auto& member : node_->yaml) {
     if (!member.first.IsScalar()) continue;
     const std::string& key = member.first.Scalar();
-    const bool is_new = std::ranges::none_of(members, [&](const auto& other) { return other.first == key; });
-    if (!is_new) {
+    if (!keys.insert(key).second) {
       const YamlReader again(std::make_unique<Node>(Node{member.first}), file_, path_);
       throw DataError("{}: key '{}' for the second time", again.place(), Printable(key));
     }

@@ -184,6 +184,11 @@ JsonSize SizeOfJson(std::string_view text) {
   return size;
 }
 
+nlohmann::json ParseLeniently(std::string_view text) {
+  if (SizeOfJson(text).depth > kMaxJsonDepth) return nlohmann::json(nlohmann::json::value_t::discarded);
+  return nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+}
+
 void CheckNoTextBehindNul(std::string_view text, const std::string& file) {
   const std::size_t nul = text.find('\0');
   if (text.find_first_not_of('\0', nul) == std::string_view::npos) return;

@@ -14,6 +14,8 @@
 #include <variant>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxJsonBytes = std::size_t{64} << 20;
@@ -45,13 +47,9 @@ struct JsonSize {
 };
 JsonSize SizeOfJson(std::string_view text);
 
-// Parses a text as `Json`, a type of nlohmann::json. Discarded (is_discarded()) if it is not JSON, or nested
-// so deeply that a copy of it could exhaust the stack.
-template <typename Json>
-Json ParseLeniently(std::string_view text) {
-  if (SizeOfJson(text).depth > kMaxJsonDepth) return Json(Json::value_t::discarded);
-  return Json::parse(text, nullptr, /*allow_exceptions=*/false);
-}
+// Discarded (is_discarded()) if the text is not JSON, or nested so deeply that a copy of it could exhaust the
+// stack. Members are sorted: nlohmann::ordered_json takes hours to read an object of a million members.
+nlohmann::json ParseLeniently(std::string_view text);
 
 // Throws DataError if something follows a NUL byte, where parsers end. NUL bytes at the end are padding.
 void CheckNoTextBehindNul(std::string_view text, const std::string& file);

@@ -101,9 +101,12 @@ std::optional<JsonReader> JsonReader::Find(std::string_view key) const {
   return JsonReader(document_, &member->value, PathOf(key));
 }
 
-std::vector<std::pair<std::string, JsonReader>> JsonReader::Members() const {
+std::vector<std::pair<std::string, JsonReader>> JsonReader::Members(std::size_t at_most) const {
+  const auto& members = Get<JsonNode::Object>("an object");
+  if (members.size() > at_most)
+    Fail(fmt::format("has {} members, expected at most {}", members.size(), at_most));
   std::vector<std::pair<std::string, JsonReader>> readers;
-  for (const JsonMember& member : Get<JsonNode::Object>("an object")) {
+  for (const JsonMember& member : members) {
     readers.emplace_back(member.key, JsonReader(document_, &member.value, PathOf(member.key)));
   }
   LookInto().any_key = true;

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -61,7 +62,9 @@ class JsonReader {
   // Objects. A key whose value is null counts as absent.
   JsonReader At(std::string_view key) const;  // required
   std::optional<JsonReader> Find(std::string_view key) const;
-  std::vector<std::pair<std::string, JsonReader>> Members() const;  // by name; any key is accepted
+  // By name. Any key is accepted.
+  std::vector<std::pair<std::string, JsonReader>> Members(
+      std::size_t at_most = std::numeric_limits<std::size_t>::max()) const;
 
   // Arrays.
   std::vector<JsonReader> Items() const;

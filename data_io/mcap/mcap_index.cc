@@ -207,6 +207,7 @@ class Scan {
     channel.topic = fields.String("topic of a channel");
     channel.message_encoding = fields.String("message encoding of a channel");
     if (index_.channels.emplace(id, channel).second) schema_of_channel_.emplace(id, schema);
+    missing_channels_.erase(id);
   }
 
   // `head` holds the first fields of the message.
@@ -390,13 +391,11 @@ class Scan {
 
   // The definition of a channel stands in the summary, or in the chunk of its first message or before it.
   void FindMissingChannels() {
-    const auto is_missing = [&] {
-      return std::ranges::any_of(index_.messages, [&](const auto& entry) {
-        return !entry.second.empty() && !index_.channels.contains(entry.first);
-      });
-    };
+    for (const auto& [channel, messages] : index_.messages) {
+      if (!messages.empty() && !index_.channels.contains(channel)) missing_channels_.insert(channel);
+    }
     for (const McapChunk& chunk : index_.chunks) {
-      if (!is_missing()) return;
+      if (missing_channels_.empty()) return;
       if (!chunk.has_index) continue;
       if (!MayInflate(chunk)) break;
       const McapContent content = ReadMcapChunk(file_, name_, chunk, max_chunk_bytes_);
@@ -432,6 +431,7 @@ class Scan {
   McapIndex index_;
   std::map<std::uint16_t, std::string> schema_names_;
   std::map<std::uint16_t, std::uint16_t> schema_of_channel_;
+  std::set<std::uint16_t> missing_channels_;  // have messages, no definition yet
   std::uint64_t message_count_ = 0;
   std::uint64_t inflated_ = 0;  // bytes of the chunks that were looked into
   bool follows_chunk_ = false;

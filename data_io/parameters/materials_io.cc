@@ -74,7 +74,7 @@ std::vector<NamedMaterial> ReadMaterials(const std::filesystem::path& file) {
   const JsonReader json = JsonReader::FromFile(file);
   json.CheckFormat(kMaterialsFormat);
   std::vector<NamedMaterial> materials;
-  for (const auto& [name, member] : json.At("materials").Members()) {
+  for (const auto& [name, member] : json.At("materials").Members(kMaxMaterials)) {
     if (Has(BuiltInMaterials(), name)) member.Fail("has the name of a built-in material, expected another");
     materials.push_back(ReadMaterial(name, member));
   }

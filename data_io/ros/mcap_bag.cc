@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "core/types/error.h"
 #include "core/types/printable.h"
@@ -85,17 +86,18 @@ class McapBag final : public Bag {
 
   // Several channels may have one topic: one per publisher.
   std::size_t TopicIndex(const std::string& name, const std::string& type, MessageEncoding encoding) {
-    for (std::size_t i = 0; i < topics_.size(); ++i) {
-      if (topics_[i].name == name && topics_[i].type == type && topics_[i].encoding == encoding) return i;
+    const auto [found, is_new] = topic_indices_.try_emplace({name, type, encoding}, topics_.size());
+    if (is_new) {
+      topics_.push_back({name, type, 0, encoding});
+      messages_.emplace_back();
     }
-    topics_.push_back({name, type, 0, encoding});
-    messages_.emplace_back();
-    return topics_.size() - 1;
+    return found->second;
   }
 
   std::vector<std::unique_ptr<PlainFile>> plain_files_;
   std::vector<std::unique_ptr<McapFile>> files_;
   std::vector<BagTopic> topics_;
+  std::map<std::tuple<std::string, std::string, MessageEncoding>, std::size_t> topic_indices_;
   std::vector<std::vector<BagMessage>> messages_;  // per topic
   std::vector<std::string> notes_;
   std::string recording_json_;

@@ -15,7 +15,6 @@ namespace sonarcal::data_io {
 
 inline constexpr std::size_t kMaxObjTriangles = 5'000'000;  // use glTF for larger meshes
 inline constexpr std::size_t kMaxObjVertices = 10'000'000;
-inline constexpr std::size_t kMaxObjMaterials = 4096;
 inline constexpr std::size_t kMaxFaceCorners = 1000;  // the time to divide a polygon grows with the square
 inline constexpr std::size_t kMaxStlSolids = 4096;
 inline constexpr std::size_t kMaxPlyHeaderLines = 1000;

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/types/error.h"
+#include "core/types/parameters.h"
 #include "core/types/printable.h"
 #include "data_io/files/byte_reader.h"
 #include "data_io/files/file_bytes.h"
@@ -19,7 +20,8 @@
 namespace sonarcal::data_io {
 namespace {
 
-using Json = nlohmann::json;
+// Unlike nlohmann::ordered_json, reads an object of very many members fast.
+using SortedJson = nlohmann::json;
 
 constexpr std::uint32_t kGlbMagic = 0x46546C67;   // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
@@ -72,12 +74,12 @@ void CheckJsonSize(std::string_view text, const std::string& file) {
     throw DataError("{}: more than {} JSON values", file, kMaxGltfJsonValues);
 }
 
-Json Parse(std::string_view text, const std::string& file) {
+SortedJson Parse(std::string_view text, const std::string& file) {
   CheckNoTextBehindNul(text, file);
   CheckJsonSize(text, file);
   try {
-    return Json::parse(text);
-  } catch (const Json::exception& error) {
+    return SortedJson::parse(text);
+  } catch (const SortedJson::exception& error) {
     // In "[json.exception.parse_error.101] parse error at line 1, column 2: ...", the first word is removed.
     const std::string_view what = error.what();
     throw DataError("{}: not readable as JSON: {}", file, Printable(what.substr(what.find(' ') + 1), 200));
@@ -89,24 +91,24 @@ std::string Where(const std::string& owner, const char* member) {
   return owner.empty() ? member : owner + "." + member;
 }
 
-bool IsIndex(const Json& value) {
+bool IsIndex(const SortedJson& value) {
   return value.is_number_unsigned() &&
          value.get<std::uint64_t>() <= static_cast<std::uint64_t>(std::numeric_limits<int>::max());
 }
 
-void CheckIndices(const Json& object, const std::string& owner, const std::string& file,
+void CheckIndices(const SortedJson& object, const std::string& owner, const std::string& file,
                   std::initializer_list<const char*> members) {
   for (const char* member : members) {
     const auto found = object.find(member);
     if (found != object.end() && !IsIndex(*found)) {
       throw DataError("{}: {} is {}, expected a whole number from 0 to {}", file, Where(owner, member),
-                      Printable(found->dump(-1, ' ', true, Json::error_handler_t::replace), 40),
+                      Printable(found->dump(-1, ' ', true, SortedJson::error_handler_t::replace), 40),
                       std::numeric_limits<int>::max());
     }
   }
 }
 
-void CheckIndexArray(const Json& object, const std::string& owner, const std::string& file,
+void CheckIndexArray(const SortedJson& object, const std::string& owner, const std::string& file,
                      const char* member) {
   const auto found = object.find(member);
   if (found == object.end()) return;
@@ -115,11 +117,11 @@ void CheckIndexArray(const Json& object, const std::string& owner, const std::st
   }
 }
 
-void CheckNumbers(const Json& object, const std::string& owner, const std::string& file, const char* member,
-                  std::size_t count) {
+void CheckNumbers(const SortedJson& object, const std::string& owner, const std::string& file,
+                  const char* member, std::size_t count) {
   const auto found = object.find(member);
   if (found == object.end()) return;
-  const auto is_number = [](const Json& value) { return value.is_number(); };
+  const auto is_number = [](const SortedJson& value) { return value.is_number(); };
   if (!found->is_array() || found->size() != count || !std::all_of(found->begin(), found->end(), is_number)) {
     throw DataError("{}: {} is not an array of {} numbers", file, Where(owner, member), count);
   }
@@ -128,7 +130,7 @@ void CheckNumbers(const Json& object, const std::string& owner, const std::strin
 // Calls `check(object, "nodes[3]")` for each object of an array that may be absent, and removes members that
 // are not read.
 template <typename Check>
-void ForEachObject(Json& object, const std::string& owner, const std::string& file, const char* member,
+void ForEachObject(SortedJson& object, const std::string& owner, const std::string& file, const char* member,
                    const Check& check) {
   const auto found = object.find(member);
   if (found == object.end()) return;
@@ -143,7 +145,7 @@ void ForEachObject(Json& object, const std::string& owner, const std::string& fi
   }
 }
 
-void CheckPrimitive(const Json& primitive, const std::string& where, const std::string& file) {
+void CheckPrimitive(const SortedJson& primitive, const std::string& where, const std::string& file) {
   CheckIndices(primitive, where, file, {"mode", "indices", "material"});
   const auto attributes = primitive.find("attributes");
   if (attributes == primitive.end() || !attributes->is_object() || !attributes->contains("POSITION") ||
@@ -152,12 +154,12 @@ void CheckPrimitive(const Json& primitive, const std::string& where, const std::
   }
 }
 
-void CheckGeometry(Json& root, const std::string& file) {
+void CheckGeometry(SortedJson& root, const std::string& file) {
   CheckIndices(root, "", file, {"scene"});
-  ForEachObject(root, "", file, "scenes", [&](const Json& scene, const std::string& where) {
+  ForEachObject(root, "", file, "scenes", [&](const SortedJson& scene, const std::string& where) {
     CheckIndexArray(scene, where, file, "nodes");
   });
-  ForEachObject(root, "", file, "nodes", [&](const Json& node, const std::string& where) {
+  ForEachObject(root, "", file, "nodes", [&](const SortedJson& node, const std::string& where) {
     CheckIndices(node, where, file, {"mesh"});
     CheckIndexArray(node, where, file, "children");
     CheckNumbers(node, where, file, "matrix", 16);
@@ -165,26 +167,27 @@ void CheckGeometry(Json& root, const std::string& file) {
     CheckNumbers(node, where, file, "rotation", 4);
     CheckNumbers(node, where, file, "scale", 3);
   });
-  ForEachObject(root, "", file, "meshes", [&](Json& mesh, const std::string& where) {
-    ForEachObject(mesh, where, file, "primitives",
-                  [&](const Json& primitive, const std::string& at) { CheckPrimitive(primitive, at, file); });
+  ForEachObject(root, "", file, "meshes", [&](SortedJson& mesh, const std::string& where) {
+    ForEachObject(mesh, where, file, "primitives", [&](const SortedJson& primitive, const std::string& at) {
+      CheckPrimitive(primitive, at, file);
+    });
   });
-  ForEachObject(root, "", file, "accessors", [&](const Json& accessor, const std::string& where) {
+  ForEachObject(root, "", file, "accessors", [&](const SortedJson& accessor, const std::string& where) {
     CheckIndices(accessor, where, file, {"bufferView", "byteOffset", "componentType", "count"});
     if (accessor.contains("sparse")) {
       throw DataError("{}: {} is sparse, which is not supported: write it out in full", file, where);
     }
   });
-  ForEachObject(root, "", file, "bufferViews", [&](const Json& view, const std::string& where) {
+  ForEachObject(root, "", file, "bufferViews", [&](const SortedJson& view, const std::string& where) {
     CheckIndices(view, where, file, {"buffer", "byteOffset", "byteLength", "byteStride"});
   });
 }
 
 // In a .glb, only the first buffer may lie in the binary chunk.
-void CheckBuffers(Json& root, const Parts& parts, const std::string& file) {
+void CheckBuffers(SortedJson& root, const Parts& parts, const std::string& file) {
   std::uint64_t total_bytes = 0;
   bool may_be_chunk = parts.binary;
-  ForEachObject(root, "", file, "buffers", [&](const Json& buffer, const std::string& where) {
+  ForEachObject(root, "", file, "buffers", [&](const SortedJson& buffer, const std::string& where) {
     CheckIndices(buffer, where, file, {"byteLength"});
     const auto length = buffer.find("byteLength");
     const std::uint64_t bytes = length == buffer.end() ? 0 : length->get<std::uint64_t>();
@@ -207,8 +210,8 @@ void CheckBuffers(Json& root, const Parts& parts, const std::string& file) {
   });
 }
 
-void CheckVersion(const Json& root, const std::string& file) {
-  const Json::json_pointer pointer("/asset/version");
+void CheckVersion(const SortedJson& root, const std::string& file) {
+  const SortedJson::json_pointer pointer("/asset/version");
   const bool present = root.is_object() && root.contains(pointer) && root.at(pointer).is_string();
   if (!present) throw DataError("{}: no asset.version among its members, expected glTF 2.0", file);
   const auto& version = root.at(pointer).get_ref<const std::string&>();
@@ -218,11 +221,11 @@ void CheckVersion(const Json& root, const std::string& file) {
 }
 
 // Extensions of a material's appearance do not change the geometry.
-void CheckExtensions(const Json& root, const std::string& file) {
+void CheckExtensions(const SortedJson& root, const std::string& file) {
   const auto required = root.find("extensionsRequired");
   if (required == root.end()) return;
   if (!required->is_array()) throw DataError("{}: extensionsRequired is not an array", file);
-  for (const Json& extension : *required) {
+  for (const SortedJson& extension : *required) {
     const std::string name = extension.is_string() ? extension.get<std::string>() : "?";
     const bool harmless = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_") ||
                           name.starts_with("EXT_texture_") || name == "KHR_lights_punctual";
@@ -235,8 +238,8 @@ void CheckExtensions(const Json& root, const std::string& file) {
   }
 }
 
-void KeepWhatAMeshNeeds(Json* root) {
-  Json reduced = {{"asset", {{"version", "2.0"}}}};
+void KeepWhatAMeshNeeds(SortedJson* root) {
+  SortedJson reduced = {{"asset", {{"version", "2.0"}}}};
   for (const char* member :
        {"scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "buffers", "materials"}) {
     if (const auto found = root->find(member); found != root->end()) reduced[member] = std::move(*found);
@@ -244,13 +247,13 @@ void KeepWhatAMeshNeeds(Json* root) {
   *root = std::move(reduced);
 }
 
-void KeepMaterialNames(Json& root, const std::string& file) {
+void KeepMaterialNames(SortedJson& root, const std::string& file) {
   std::size_t count = 0;
-  ForEachObject(root, "", file, "materials", [&](Json& material, const std::string& where) {
-    if (++count > kMaxGltfMaterials) {
-      throw DataError("{}: more than {} materials", file, kMaxGltfMaterials);
+  ForEachObject(root, "", file, "materials", [&](SortedJson& material, const std::string& where) {
+    if (++count > kMaxMaterials) {
+      throw DataError("{}: more than {} materials", file, kMaxMaterials);
     }
-    Json reduced = Json::object();
+    SortedJson reduced = SortedJson::object();
     if (const auto name = material.find("name"); name != material.end()) {
       if (!name->is_string()) throw DataError("{}: {}.name is not a text", file, where);
       reduced["name"] = *name;
@@ -292,7 +295,7 @@ GltfDocument ReduceGltf(std::string_view bytes, const std::string& file) {
     throw DataError("{}: {} bytes, expected at most {}", file, bytes.size(), kMaxGltfBytes);
   }
   const Parts parts = Split(bytes, file);
-  Json root = Parse(parts.json, file);
+  SortedJson root = Parse(parts.json, file);
   CheckVersion(root, file);
   CheckExtensions(root, file);
   KeepWhatAMeshNeeds(&root);

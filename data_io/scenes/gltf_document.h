@@ -18,7 +18,6 @@ namespace sonarcal::data_io {
 inline constexpr std::size_t kMaxGltfBytes = std::size_t{1} << 30;
 inline constexpr std::size_t kMaxGltfJsonDepth = 32;
 inline constexpr std::size_t kMaxGltfJsonValues = 500'000;
-inline constexpr std::size_t kMaxGltfMaterials = 4096;
 
 struct GltfDocument {
   bool binary = false;  // .glb container; otherwise JSON text

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/types/error.h"
+#include "core/types/parameters.h"
 #include "core/types/parse_number.h"
 #include "core/types/printable.h"
 #include "data_io/files/file_bytes.h"
@@ -159,7 +160,7 @@ class ObjReader {
   std::size_t MaterialIndex(const std::string& name) {
     const auto [found, added] = material_index_.try_emplace(name, mesh_.materials.size());
     if (added) {
-      if (mesh_.materials.size() == kMaxObjMaterials) Refuse("more than {} materials", kMaxObjMaterials);
+      if (mesh_.materials.size() == kMaxMaterials) Refuse("more than {} materials", kMaxMaterials);
       mesh_.materials.push_back(name);
       mesh_.corners.emplace_back();
     }

@@ -171,7 +171,7 @@ std::vector<std::string> Notes(const MetricsReport& now, const nlohmann::json& n
 }
 
 nlohmann::json ParseComparison(const std::string& text, const std::string& name) {
-  auto json = data_io::ParseLeniently<nlohmann::json>(text);
+  auto json = data_io::ParseLeniently(text);
   if (!json.is_object() || json.value("format", nlohmann::json()) != "sonar-metrics/1" ||
       !json.contains("macro"))
     throw DataError("{}: found no comparison, expected a metrics.json of format sonar-metrics/1", name);

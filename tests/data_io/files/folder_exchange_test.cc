@@ -451,9 +451,10 @@ TEST(FolderExchangeTest, TheLongestNamesWork) {
     output.Replace([] { return NamesOf(kOld); });
     EXPECT_EQ(Read(out), kNew + kForeign);
   }
-  WriteFileWhole(dir / (std::string(250, 'f') + ".json"), "{}");
+  WriteFileWhole(dir / std::string(250, 'f').append(".json"), "{}");
   EXPECT_EQ(EntryCount(dir.path()), 2);
-  EXPECT_NE(StagedStem(dir / (std::string(254, 'n') + "1")), StagedStem(dir / (std::string(254, 'n') + "2")));
+  EXPECT_NE(StagedStem(dir / std::string(254, 'n').append("1")),
+            StagedStem(dir / std::string(254, 'n').append("2")));
 }
 
 TEST(FolderExchangeTest, ADiskWithoutLocksWorks) {

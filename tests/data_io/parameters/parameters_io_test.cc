@@ -1,5 +1,6 @@
 #include "data_io/parameters/parameters_io.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -221,6 +222,18 @@ TEST(ParametersIoTest, MissingRequiredKeysAreRefusedByName) {
               HasSubstr("p.json:4: required key 'materials.floor.gsab.E' is missing"));
   EXPECT_THAT(RefusalOf(R"({"format": "sonar-parameters/1", "model": "paper", "materials": {}})"),
               HasSubstr("p.json:1: 'materials' is empty, expected at least one material"));
+}
+
+TEST(ParametersIoTest, MoreMaterialsThanASceneCanHaveAreRefused) {
+  std::string materials;
+  for (std::size_t i = 0; i <= kMaxMaterials; ++i) {
+    materials +=
+        fmt::format(R"({}"m{}": {{"gsab": {{"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}}})",
+                    i == 0 ? "" : ", ", i);
+  }
+  EXPECT_THAT(
+      RefusalOf(R"({"format": "sonar-parameters/1", "model": "paper", "materials": {)" + materials + "}}"),
+      HasSubstr("p.json:1: 'materials' has 4097 members, expected at most 4096"));
 }
 
 TEST(ParametersIoTest, ParametersThatCannotBeReadBackAreNotWritten) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/types/error.h"
+#include "core/types/parameters.h"
 #include "data_io/scenes/cad_io.h"
 #include "data_io/scenes/cad_mesh.h"
 #include "tests/data_io/cad_files.h"
@@ -94,7 +95,7 @@ TEST(ObjHostileTest, FacesAndMaterialsBeyondTheLimitsAreRefused) {
   for (std::size_t i = 0; i <= kMaxFaceCorners; ++i) polygon += " 1";
   EXPECT_THAT(ObjRefusal(polygon), HasSubstr("more than 1000 corners"));
   std::string materials = kThree;
-  for (std::size_t i = 0; i <= kMaxObjMaterials; ++i) materials += fmt::format("usemtl m{}\nf 1 2 3\n", i);
+  for (std::size_t i = 0; i <= kMaxMaterials; ++i) materials += fmt::format("usemtl m{}\nf 1 2 3\n", i);
   EXPECT_THAT(ObjRefusal(materials), HasSubstr("more than 4096 materials"));
   std::string groups = kThree;
   for (int i = 0; i < 20000; ++i)
