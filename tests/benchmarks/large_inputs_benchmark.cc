@@ -56,8 +56,8 @@ std::string XmlOfKeys(int count) {
 
 std::string Materials(int count) {
   const auto material = [](int i) {
-    return fmt::format(
-        R"("m{}": {{"gsab": {{"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}}})", i);
+    return fmt::format(R"("m{}": {{"gsab": {{"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}}})",
+                       i);
   };
   return fmt::format(R"({{"format": "sonar-parameters/1", "model": "paper", "materials": {{{}}}}})",
                      Entries(count, ",", material));
@@ -71,9 +71,8 @@ std::string Nodes(int count) {
 }
 
 std::string Groups(int count) {
-  return "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + Entries(count, "", [](int i) {
-           return fmt::format("o p{}\nusemtl m{}\nf 1 2 3\n", i, i % 4000);
-         });
+  return "v 0 0 0\nv 1 0 0\nv 0 1 0\n" +
+         Entries(count, "", [](int i) { return fmt::format("o p{}\nusemtl m{}\nf 1 2 3\n", i, i % 4000); });
 }
 
 std::string Solids(int count) {
@@ -104,7 +103,8 @@ std::string McapChannels(int count) {
                              McapText("string data");
   const auto channel = [](int i) {
     return McapRecord('\x04', Bytes(static_cast<std::uint16_t>(i)) + Bytes(std::uint16_t{1}) +
-                                  McapText(fmt::format("/t{}", i)) + McapText("cdr") + Bytes(std::uint32_t{0}));
+                                  McapText(fmt::format("/t{}", i)) + McapText("cdr") +
+                                  Bytes(std::uint32_t{0}));
   };
   return magic + McapRecord('\x01', McapText("") + McapText("")) + McapRecord('\x03', schema) +
          Entries(count, "", channel) + McapRecord('\x0f', Bytes(std::uint32_t{0})) +
@@ -166,8 +166,7 @@ double ReadSeconds(const Reader& reader, int entries, const fs::path& folder) {
 }
 
 void LargeInput(benchmark::State& state, const Reader& reader) {
-  const fs::path folder =
-      fs::temp_directory_path() / fmt::format("sonarcal_large_inputs_{}", getpid());
+  const fs::path folder = fs::temp_directory_path() / fmt::format("sonarcal_large_inputs_{}", getpid());
   fs::create_directories(folder);
   while (state.KeepRunning()) {
     const double few_s = ReadSeconds(reader, reader.entries / 4, folder);
