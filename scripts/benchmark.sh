@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # How fast: prints a frame beside Embree alone, what 10^7 triangles take beyond their mesh, a fit beside tracing,
-# how frames grow with threads, rays and triangles, and the same frame in plain NumPy. Ratios are of times measured
-# in turn in one run and stand beside their limits. Takes some minutes; needs libbenchmark-dev and python3-numpy.
+# how frames grow with threads, rays and triangles, how the time to read a file grows with its entries, and the same
+# frame in plain NumPy. Ratios are of times measured in turn in one run and stand beside their limits. Takes some
+# minutes; needs libbenchmark-dev and python3-numpy.
 #
 #   scripts/benchmark.sh [FILTER]     FILTER: which benchmarks, a regular expression (default: all; NumPyFrame is one)
 
@@ -10,7 +11,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 case "${1:-}" in
   -h | --help)
-    sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+    sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
     exit 0
     ;;
   -*) fail "unknown argument '$1', expected a regular expression" ;;

@@ -24,7 +24,7 @@ if(SONARCAL_SHELLCHECK)
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
 endif()
 
-# Limits that end only tests that hang.
+# Time limits. Only a test that hangs reaches them.
 set(limit_s 600)
 set(guide_limit_s 1200)
 set(consumer_flags "-Wall")

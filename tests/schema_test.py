@@ -450,6 +450,9 @@ def wrong_values(name, schema, value):
             yield {other: member for other, member in value.items() if other != key}
         if schema.get("minProperties"):
             yield {}
+        if "maxProperties" in schema:
+            first = next(iter(value.values()))
+            yield {f"member_{i}": first for i in range(schema["maxProperties"] + 1)}
         for key, member in value.items():
             of_key = schema.get("properties", {}).get(key, schema.get("additionalProperties"))
             for wrong in wrong_values(name, of_key, member):

@@ -174,7 +174,7 @@ void RunOutput::ListOutputs(std::set<std::string> outputs) {
   if (goes_on_) {
     for (const fs::path& name : OutputsOfEarlierRun()) outputs.insert(name.generic_string());
   }
-  // In its order. This run has written it.
+  // Keeps the order of the members. This run wrote the file.
   auto provenance = nlohmann::ordered_json::parse(
       data_io::ReadFileBytes(staging() / kProvenance, data_io::kMaxJsonBytes), nullptr, false);
   SONARCAL_CHECK(provenance.is_object(), "{}: no provenance of this run", final_path().string());

@@ -102,7 +102,7 @@ std::string Rows(const Group& group, bool list_groups = false) {
                   LimitsText(info, value), info.models);
     } else if (list_groups) {
       rows += Row(info.key, info.meaning, "", info.required ? "required" : info.by_default,
-                  info.required ? "one or more" : "", info.models);
+                  info.required ? fmt::format("1 to {}", kMaxMaterials) : "", info.models);
     } else {
       rows += Rows(Prototype(value));
     }
@@ -189,6 +189,7 @@ Json Schema(const ParameterGroupInfo& info, const Group& group) {
     Json member = {{"type", "object"}};
     AddMembers(typename Group::mapped_type(), member);
     if (info.required) json["minProperties"] = 1;
+    json["maxProperties"] = kMaxMaterials;
     json["additionalProperties"] = member;
   } else {
     AddMembers(Prototype(group), json);
