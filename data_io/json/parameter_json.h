@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/types/parameter_info.h"
+#include "core/types/parameters.h"
 #include "core/types/words.h"
 #include "data_io/json/json_reader.h"
 
@@ -85,7 +86,7 @@ void ReadGroup(const JsonReader& json, std::optional<Group>& group) {
 
 template <typename Group>
 void ReadGroup(const JsonReader& json, std::map<std::string, Group>& groups) {
-  for (const auto& [name, member] : json.Members()) ReadGroup(member, groups[name]);
+  for (const auto& [name, member] : json.Members(kMaxMaterials)) ReadGroup(member, groups[name]);
 }
 
 // Writes a member, or the members of a group. Absent optional members are left out.

@@ -39,7 +39,7 @@ void CheckBeam(const JsonReader& json, const BeamParameters& beam) {
 // Gives materials without a curve the centre of their prior. `known` null: each needs a curve.
 void CompleteMaterials(const JsonReader& json, const std::vector<NamedMaterial>* known,
                        ParameterSet& parameters) {
-  for (const auto& [name, material] : json.Members(kMaxMaterials)) {
+  for (const auto& [name, material] : json.Members()) {
     MaterialParameters& of = parameters.materials.at(name);
     const auto prior = material.Find("prior");
     if (!prior || known == nullptr) {

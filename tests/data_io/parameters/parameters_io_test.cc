@@ -226,14 +226,19 @@ TEST(ParametersIoTest, MissingRequiredKeysAreRefusedByName) {
 
 TEST(ParametersIoTest, MoreMaterialsThanASceneCanHaveAreRefused) {
   std::string materials;
+  std::string mirrors;
   for (std::size_t i = 0; i <= kMaxMaterials; ++i) {
+    const std::string_view separator = i == 0 ? "" : ", ";
     materials +=
         fmt::format(R"({}"m{}": {{"gsab": {{"A": 90, "B_deg": 4, "C": 100, "D": 1, "E": 90, "F_deg": 8}}}})",
-                    i == 0 ? "" : ", ", i);
+                    separator, i);
+    mirrors += fmt::format(R"({}"m{}": {{"loss_db": 3}})", separator, i);
   }
   EXPECT_THAT(
       RefusalOf(R"({"format": "sonar-parameters/1", "model": "paper", "materials": {)" + materials + "}}"),
       HasSubstr("p.json:1: 'materials' has 4097 members, expected at most 4096"));
+  EXPECT_THAT(RefusalOf(Changed(R"("model")", R"("mirror": {)" + mirrors + R"(}, "model")")),
+              HasSubstr("'mirror' has 4097 members, expected at most 4096"));
 }
 
 TEST(ParametersIoTest, ParametersThatCannotBeReadBackAreNotWritten) {
