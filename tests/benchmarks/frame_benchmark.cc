@@ -3,6 +3,7 @@
 // and in the tiles that the frame casts, and with the processor's own kernels. 1500 x 1200 rays, errors of
 // range and azimuth sampled, polar and fan image. Ratios stand beside the limit they are held to.
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
@@ -47,8 +48,8 @@ void FrameBesideEmbree(benchmark::State& state, const Scene& scene, const Pose& 
     const auto [name, fastest] = in_rows.Best();
     const auto [name_in_tiles, fastest_in_tiles] = in_tiles.Best();
     const auto [own_name, own_fastest] = own_in_rows.Best();
-    state.SetLabel("Embree query of " + name + " rays; in tiles " + name_in_tiles + "; own kernels " +
-                   own_name);
+    state.SetLabel(
+        fmt::format("Embree query of {} rays; in tiles {}; own kernels {}", name, name_in_tiles, own_name));
     state.counters["triangles"] = static_cast<double>(scene.triangles.size());
     state.counters["frame_ms"] = 1e3 * Median(frame);
     state.counters["embree_ms"] = 1e3 * fastest;
