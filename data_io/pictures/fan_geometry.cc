@@ -190,9 +190,10 @@ std::optional<Side> FindSide(const std::vector<Point>& outline, const std::vecto
   const std::ptrdiff_t score_of_edge = edge ? ScoreOf(*edge, outline, direction) : 0;
   const std::ptrdiff_t score_of_line = line ? ScoreOf(*line, outline, direction) : 0;
   // Text, or spikes of a compressed picture, push the hull off the side: they lie beyond the line.
-  if (static_cast<double>(score_of_line) > kMuchMore * static_cast<double>(score_of_edge))
+  if (line && static_cast<double>(score_of_line) > kMuchMore * static_cast<double>(score_of_edge))
     return LineThrough(PointsNear(outline, *line));
-  if (!edge) return std::nullopt;
+  // With points beyond it, the edge is one of the other side: the lit pixels grow wider downwards.
+  if (!edge || score_of_edge < 0) return std::nullopt;
   // All corners of the hull near that edge, with equal weights: the side is straight, its pixels are steps.
   return LineThrough(PointsNear(hull, *edge));
 }
