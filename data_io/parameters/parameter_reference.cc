@@ -101,8 +101,11 @@ std::string Rows(const Group& group, bool list_groups = false) {
       rows += Row(info.key, info.meaning, UnitText(info.unit), DefaultText(info, value),
                   LimitsText(info, value), info.models);
     } else if (list_groups) {
-      rows += Row(info.key, info.meaning, "", info.required ? "required" : info.by_default,
-                  info.required ? fmt::format("1 to {}", kMaxMaterials) : "", info.models);
+      std::string count;
+      if constexpr (requires { typename T::mapped_type; })
+        count = fmt::format("{} to {}", info.required ? 1 : 0, kMaxMaterials);
+      rows +=
+          Row(info.key, info.meaning, "", info.required ? "required" : info.by_default, count, info.models);
     } else {
       rows += Rows(Prototype(value));
     }

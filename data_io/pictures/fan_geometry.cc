@@ -192,7 +192,7 @@ std::optional<Side> FindSide(const std::vector<Point>& outline, const std::vecto
   // Text, or spikes of a compressed picture, push the hull off the side: they lie beyond the line.
   if (line && static_cast<double>(score_of_line) > kMuchMore * static_cast<double>(score_of_edge))
     return LineThrough(PointsNear(outline, *line));
-  // With points beyond it, the edge is one of the other side: the lit pixels grow wider downwards.
+  // An edge with points beyond it belongs to the other side. The lit pixels then grow wider downwards.
   if (!edge || score_of_edge < 0) return std::nullopt;
   // All corners of the hull near that edge, with equal weights: the side is straight, its pixels are steps.
   return LineThrough(PointsNear(hull, *edge));

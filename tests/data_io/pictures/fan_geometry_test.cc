@@ -118,7 +118,7 @@ TEST(FanGeometry, MasksThatAreNoFanHaveNoGeometry) {
   EXPECT_FALSE(FindFanGeometry(few));
   EXPECT_FALSE(FindFanGeometry(Mask(1, 4000, 1)));
   EXPECT_FALSE(FindFanGeometry(Mask(4000, 1, 1)));
-  Mask triangle(60, 60);  // on its base: its sides have the inclinations of a fan's sides, exchanged
+  Mask triangle(60, 60);  // on its base: its left side is inclined as the right side of a fan
   for (int row = 0; row < 60; ++row) {
     for (int col = 30 - row / 2; col < 30 + row / 2; ++col) triangle(row, col) = 1;
   }
