@@ -59,6 +59,10 @@ function(sonarcal_compile_options target)
       -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${SONARCAL_SANITIZERS})
   endif()
+  if(SONARCAL_SANITIZERS OR SONARCAL_FUZZ)
+    # Sanitizers see neither an empty std::optional that is read nor an index between a vector's size and its capacity.
+    target_compile_definitions(${target} PUBLIC _GLIBCXX_ASSERTIONS)
+  endif()
 endfunction()
 
 # sonarcal_optimise_little(TARGET): for command lines, JSON, pages and tests. There, more optimisation doubles the

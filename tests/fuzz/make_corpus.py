@@ -414,7 +414,7 @@ def main():
             fan[cols * row + col] = 200
     put("fan_picture", "fan_with_text", size + fan)
     triangle = bytes(200 if abs(x - 18) * 2 < y else 0 for y in range(rows) for x in range(cols))
-    put("fan_picture", "triangle_on_its_base", size + triangle)
+    put("fan_picture", "refused_triangle_on_its_base", size + triangle)
     put("jpeg", "fan.jpg", JPEG)
     shown = {"format": "sonar-picture-geometry/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6,
              "sound_speed_m_per_s": 1480, "db_span": 80}
