@@ -244,32 +244,61 @@ std::optional<Arc> FitArc(std::vector<Point> points, const Point& apex) {
 }
 
 bool IsLit(const Mask& lit, double x, double y) {
-  const auto col = static_cast<int>(std::lround(x));
-  const auto row = static_cast<int>(std::lround(y));
-  return row >= 0 && row < lit.rows() && col >= 0 && col < lit.cols() && lit(row, col) != 0;
+  // To the nearest pixel. Comparisons first: a number too large for an integer must not be converted.
+  if (!(x > -0.5 && x < lit.cols() - 0.5 && y > -0.5 && y < lit.rows() - 0.5)) return false;
+  return lit(static_cast<int>(y + 0.5), static_cast<int>(x + 0.5)) != 0;
 }
 
-// Radius at which a ray from the apex crosses a row; at least 0.
-double RadiusAtRow(const FanGeometry& fan, double azimuth_rad, double row) {
-  return std::max(0.0, (fan.apex_y_px - row) / std::cos(azimuth_rad));
+// Pixels of a mask along a ray from the apex, by their distance from it.
+class Ray {
+ public:
+  Ray(const Mask& lit, const FanGeometry& fan, double azimuth_rad)
+      : lit_(lit),
+        apex_(fan.apex_x_px, fan.apex_y_px),
+        step_(fan.x_scale * std::sin(azimuth_rad), -std::cos(azimuth_rad)) {}
+
+  bool IsLitAt(double radius) const {
+    return IsLit(lit_, apex_.x() + radius * step_.x(), apex_.y() + radius * step_.y());
+  }
+  // Radii at which the ray enters the picture from below and leaves it at the top; at least 0.
+  double FirstRadius() const { return RadiusAtRow(lit_.rows()); }
+  double LastRadius() const { return RadiusAtRow(-1.0); }
+
+ private:
+  double RadiusAtRow(double row) const { return std::max(0.0, (row - apex_.y()) / step_.y()); }
+
+  const Mask& lit_;
+  Point apex_;
+  Point step_;
+};
+
+// Up to `max_count` rays, evenly spread over a fraction of the fan's angle. A small picture needs only two
+// for each column.
+std::vector<Ray> RaysOf(const Mask& lit, const FanGeometry& fan, int max_count, double fraction) {
+  const int count = std::min(max_count, 2 * lit.cols());
+  std::vector<Ray> rays;
+  for (int ray = 0; ray < count; ++ray) {
+    rays.emplace_back(lit, fan,
+                      RadFromDeg(fan.half_angle_deg) * fraction * (2.0 * (ray + 0.5) / count - 1.0));
+  }
+  return rays;
 }
+
+constexpr double kWithoutSides = 0.9;  // fraction of the angle that excludes pixels at the sides
 
 // Radius of the near arc: distance from the apex to the first lit pixel along many rays. Dark places increase
 // it and nothing decreases it: a low quantile.
 double NearRadius(const Mask& lit, const FanGeometry& fan) {
   constexpr int kRays = 400;
+  constexpr double kStepPx = 0.25;
   constexpr double kQuantile = 0.1;
   std::vector<double> radii;
-  for (int ray = 0; ray < kRays; ++ray) {
-    const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
-    // In steps of a quarter pixel from the apex.
-    for (double radius = std::floor(RadiusAtRow(fan, azimuth_rad, lit.rows())); radius < fan.radius_max_px;
-         radius += 0.25) {
-      if (IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
-                fan.apex_y_px - radius * std::cos(azimuth_rad))) {
-        radii.push_back(radius);
-        break;
-      }
+  for (const Ray& ray : RaysOf(lit, fan, kRays, kWithoutSides)) {
+    const double last = std::min(fan.radius_max_px, ray.LastRadius());
+    for (double radius = std::floor(ray.FirstRadius()); radius < last; radius += kStepPx) {
+      if (!ray.IsLitAt(radius)) continue;
+      radii.push_back(radius);
+      break;
     }
   }
   return radii.empty() ? 0.0 : LowerQuantile(std::move(radii), kQuantile);
@@ -302,35 +331,34 @@ double LitShareOfSide(const Mask& lit, const FanGeometry& fan, int direction) {
 // Fraction of directions in which the farthest lit pixel lies within 3 pixels of the far arc.
 double LitShareOfFarArc(const Mask& lit, const FanGeometry& fan) {
   constexpr int kRays = 200;
+  constexpr double kStepPx = 0.5;
   constexpr double kNearPx = 3.0;
   constexpr double kBeyondPx = 60.0;  // no pixel may be lit beyond this distance
+  const std::vector<Ray> rays = RaysOf(lit, fan, kRays, kWithoutSides);
   int near = 0;
-  for (int ray = 0; ray < kRays; ++ray) {
-    const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * 0.9 * (2.0 * (ray + 0.5) / kRays - 1.0);
-    for (double radius = fan.radius_max_px + kBeyondPx; radius > fan.radius_max_px - kNearPx; radius -= 0.5) {
-      if (!IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
-                 fan.apex_y_px - radius * std::cos(azimuth_rad)))
-        continue;
+  for (const Ray& ray : rays) {
+    double radius = fan.radius_max_px + kBeyondPx;
+    // No pixel is lit above the picture.
+    if (radius > ray.LastRadius()) radius -= kStepPx * std::floor((radius - ray.LastRadius()) / kStepPx);
+    for (; radius > fan.radius_max_px - kNearPx; radius -= kStepPx) {
+      if (!ray.IsLitAt(radius)) continue;
       if (radius < fan.radius_max_px + kNearPx) ++near;
       break;
     }
   }
-  return static_cast<double>(near) / kRays;
+  return static_cast<double>(near) / static_cast<double>(rays.size());
 }
 
 // Distance from the apex to the farthest lit pixel of each direction between the sides; 0 for a dark
 // direction.
 std::vector<double> FarthestLit(const Mask& lit, const FanGeometry& fan) {
   constexpr int kRays = 400;
+  constexpr double kStepPx = 0.5;
   std::vector<double> radii;
-  for (int ray = 0; ray < kRays; ++ray) {
-    const double azimuth_rad = RadFromDeg(fan.half_angle_deg) * (2.0 * (ray + 0.5) / kRays - 1.0);
+  for (const Ray& ray : RaysOf(lit, fan, kRays, 1.0)) {
     double farthest = 0.0;
-    for (double radius = (fan.apex_y_px + 1.0) / std::cos(azimuth_rad);
-         radius > RadiusAtRow(fan, azimuth_rad, lit.rows()); radius -= 0.5) {
-      if (!IsLit(lit, fan.apex_x_px + fan.x_scale * radius * std::sin(azimuth_rad),
-                 fan.apex_y_px - radius * std::cos(azimuth_rad)))
-        continue;
+    for (double radius = ray.LastRadius(); radius > ray.FirstRadius(); radius -= kStepPx) {
+      if (!ray.IsLitAt(radius)) continue;
       farthest = radius;
       break;
     }
@@ -339,14 +367,15 @@ std::vector<double> FarthestLit(const Mask& lit, const FanGeometry& fan) {
   return radii;
 }
 
-// Circle through the farthest lit pixels: the largest radius that some directions share.
+// Circle through the farthest lit pixels: the largest radius that some directions share, 0 if there is none.
 FanGeometry WithFarthestCircle(const Mask& lit, FanGeometry fan) {
-  constexpr std::size_t kMinDirections = 8;  // of 400: one bright pixel is no arc
+  constexpr std::size_t kMinDirections = 8;  // of up to 400: one bright pixel is no arc
   constexpr double kBandPx = 3.0;
   fan.half_angle_deg = DegFromRad(std::atan(fan.x_scale * std::tan(RadFromDeg(fan.half_angle_deg))));
   fan.x_scale = 1.0;
   std::vector<double> radii = FarthestLit(lit, fan);
   std::ranges::sort(radii, std::greater<>());
+  fan.radius_max_px = 0.0;
   for (std::size_t first = 0; first + kMinDirections <= radii.size(); ++first) {
     if (radii[first] - radii[first + kMinDirections - 1] > kBandPx) continue;
     fan.radius_max_px = radii[first];
@@ -355,20 +384,34 @@ FanGeometry WithFarthestCircle(const Mask& lit, FanGeometry fan) {
   return fan;
 }
 
+struct Field {
+  const char* name;
+  double value;
+  double min;
+  double max;
+};
+
+// The first field that is outside its limits.
+std::optional<Field> FaultOf(const FanGeometry& fan) {
+  constexpr double kMaxPx = 1e6;
+  const Field fields[] = {{"apex_x_px", fan.apex_x_px, -kMaxPx, kMaxPx},
+                          {"apex_y_px", fan.apex_y_px, -kMaxPx, kMaxPx},
+                          {"radius_min_px", fan.radius_min_px, 0.0, kMaxPx},
+                          {"radius_max_px", fan.radius_max_px, fan.radius_min_px + 1.0, kMaxPx},
+                          {"half_angle_deg", fan.half_angle_deg, 0.5, 89.0},
+                          {"x_scale", fan.x_scale, 0.1, 10.0}};
+  for (const Field& field : fields) {
+    if (!(field.value >= field.min && field.value <= field.max)) return field;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void FanGeometry::Validate(const std::string& what) const {
-  const auto check = [&](const char* field, double value, double low, double high) {
-    if (!(value >= low && value <= high))
-      throw DataError("{}: {} is {}, expected {}..{}", what, field, value, low, high);
-  };
-  constexpr double kMaxPx = 1e6;
-  check("apex_x_px", apex_x_px, -kMaxPx, kMaxPx);
-  check("apex_y_px", apex_y_px, -kMaxPx, kMaxPx);
-  check("radius_min_px", radius_min_px, 0.0, kMaxPx);
-  check("radius_max_px", radius_max_px, radius_min_px + 1.0, kMaxPx);
-  check("half_angle_deg", half_angle_deg, 0.5, 89.0);
-  check("x_scale", x_scale, 0.1, 10.0);
+  if (const std::optional<Field> fault = FaultOf(*this)) {
+    throw DataError("{}: {} is {}, expected {}..{}", what, fault->name, fault->value, fault->min, fault->max);
+  }
 }
 
 std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
@@ -409,10 +452,9 @@ std::optional<FanGeometry> FindFanGeometry(const Mask& lit) {
     const FanGeometry circle = WithFarthestCircle(lit, fan);
     if (LitShareOfFarArc(lit, circle) + kMaxLoss >= visible_arc) fan = circle;
   }
+  if (FaultOf(fan)) return std::nullopt;  // a search along rays of any length would take long
   fan.radius_min_px = NearRadius(lit, fan);
-  if (!(fan.radius_max_px > fan.radius_min_px + 1.0 && fan.half_angle_deg > 0.5 && fan.x_scale > 0.1 &&
-        fan.x_scale < 10.0))
-    return std::nullopt;
+  if (FaultOf(fan)) return std::nullopt;
   return fan;
 }
 

@@ -33,7 +33,7 @@ struct FanGeometry {
 
 // Finds the geometry from the outline of `lit`, the pixels that are not black in some picture. It needs two
 // straight sides, mostly lit, and the arcs. Returns nothing if there is no fan: fewer than 100 lit pixels,
-// sides that do not meet below, or no arcs.
+// sides that do not meet below, no arcs, or a field outside the limits of Validate.
 //
 // The outline is that of the convex hull, so dark places inside have no effect. Accurate to about a pixel for
 // radii and the forward position of the apex, and to 0.5 % of x_scale for a fan of +-15 degrees. If the far

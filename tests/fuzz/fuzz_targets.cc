@@ -5,8 +5,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/types/error.h"
@@ -20,6 +22,9 @@
 #include "data_io/parameters/camera_io.h"
 #include "data_io/parameters/marker_map_io.h"
 #include "data_io/parameters/parameters_io.h"
+#include "data_io/pictures/fan_geometry.h"
+#include "data_io/pictures/fan_search.h"
+#include "data_io/pictures/picture_frames.h"
 #include "data_io/pose_io.h"
 #include "data_io/recordings/recording_io.h"
 #include "data_io/scenes/cad_io.h"
@@ -116,22 +121,54 @@ void Jpeg(std::string_view bytes) {
   data_io::DecodeJpegRgb(bytes, "picture");
 }
 
-constexpr const char* kFanGeometry =
-    R"({"format": "sonar-picture-geometry/1", "range_m": [1, 4], "fan": {"beams": 6, "range_bins": 9}})";
+// Pictures in memory, black and white.
+class MaskPictures : public data_io::PictureFrames {
+ public:
+  MaskPictures(std::vector<Mask> masks, bool is_lossy) : masks_(std::move(masks)), is_lossy_(is_lossy) {}
 
-// A picture in which a fan is looked for: its rows, its columns and its grey values, one byte each. A value
-// that is missing is 0. The files of pictures themselves are the inputs of Picture and Jpeg.
+  int count() const override { return static_cast<int>(masks_.size()); }
+  std::string name(int) const override { return "picture"; }
+  Grid<float> Read(int) const override { throw std::logic_error("a search reads colours"); }
+  RgbImage ReadColors(int index) const override {
+    constexpr std::uint8_t kWhite = 200;
+    const Mask& mask = masks_[index];
+    RgbImage colors(mask.rows(), mask.cols());
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (mask.values()[i] != 0) colors.values()[i] = {kWhite, kWhite, kWhite};
+    }
+    return colors;
+  }
+  bool is_lossy() const override { return is_lossy_; }
+
+ private:
+  std::vector<Mask> masks_;
+  bool is_lossy_;
+};
+
+// Pictures in which a fan is looked for: a byte for the rows, up to 32, a byte for the columns, and the
+// pixels, one bit each. A pixel that is missing is black. Bits of the first byte say whether there are four
+// pictures, which shows what stays, and whether they were compressed with losses. The files of pictures
+// themselves are the inputs of Picture and Jpeg.
 void FanPicture(std::string_view bytes) {
-  constexpr int kMaxSide = 48;  // a search of a larger picture takes longer
-  static const fs::path kGeometry = TheFolder().Write("picture.geometry.json", kFanGeometry);
+  constexpr int kFour = 64;
+  constexpr int kLossy = 128;
   if (bytes.size() < 2) throw DataError("{} bytes, expected the size of a picture", bytes.size());
-  const auto side = [](char byte) { return 1 + static_cast<unsigned char>(byte) % kMaxSide; };
-  Grid<std::uint8_t> grey(side(bytes[0]), side(bytes[1]));
-  bytes.substr(2, grey.size()).copy(reinterpret_cast<char*>(grey.values().data()), grey.size());
-  const std::vector<std::uint8_t> png = data_io::EncodePng(grey);
-  const fs::path picture =
-      TheFolder().Write("picture", std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
-  ReadSomeFrames(*data_io::OpenRecording(picture));
+  const auto byte = [&](std::size_t i) {
+    return static_cast<unsigned char>(i < bytes.size() ? bytes[i] : 0);
+  };
+  std::vector<Mask> masks((byte(0) & kFour) != 0 ? 4 : 1, Mask(1 + byte(0) % 32, 1 + byte(1) % 32));
+  std::size_t bit = 16;
+  for (Mask& mask : masks) {
+    for (std::uint8_t& pixel : mask.values()) {
+      pixel = byte(bit / 8) >> bit % 8 & 1;
+      ++bit;
+    }
+  }
+  const MaskPictures pictures(std::move(masks), (byte(0) & kLossy) != 0);
+  const data_io::FanSearch search(pictures);
+  if (!search.fan()) throw DataError("no fan in {} x {} pixels", 1 + byte(0) % 32, 1 + byte(1) % 32);
+  for (int index = 0; index < pictures.count(); ++index)
+    data_io::ShowsAnotherFan(search.LitPixels(index), *search.fan());
 }
 
 // What is said of it, beside a picture of a fan of 60 degrees.

@@ -404,17 +404,26 @@ def main():
     put("picture", "grey8.tiff", tiff(3, 2, 8, False))
     put("picture", "float.tiff", tiff(3, 2, 32, True))
 
-    rows, cols = 30, 36
-    fan = bytearray(200 if abs(x - 18) * 7 < (rows - y) * 4 and (x - 18) ** 2 + (rows - y) ** 2 < 750 else 0
-                    for y in range(rows) for x in range(cols))
-    size = bytes([rows - 1, cols - 1])
-    put("fan_picture", "fan", size + fan)
-    for row in (3, 9, 15):
-        for col in (0, 1, 33, 34):
-            fan[cols * row + col] = 200
-    put("fan_picture", "fan_with_text", size + fan)
-    triangle = bytes(200 if abs(x - 18) * 2 < y else 0 for y in range(rows) for x in range(cols))
-    put("fan_picture", "refused_triangle_on_its_base", size + triangle)
+    rows, cols = 30, 32
+
+    def fan_pictures(*pictures, is_lossy=False):
+        lit = [is_lit(x, y) for is_lit in pictures for y in range(rows) for x in range(cols)]
+        first = rows - 1 + 64 * (len(pictures) == 4) + 128 * is_lossy
+        return bytes([first, cols - 1]) + bytes(
+            sum(bit << i for i, bit in enumerate(lit[start:start + 8])) for start in range(0, len(lit), 8))
+
+    def in_fan(x, y):
+        return abs(x - 16) * 7 < (rows - y) * 4 and (x - 16) ** 2 + (rows - y) ** 2 < 750
+
+    def with_text(x, y):
+        return in_fan(x, y) or y in (3, 9, 15) and x in (0, 1, 30, 31)
+
+    put("fan_picture", "fan", fan_pictures(in_fan))
+    put("fan_picture", "fan_with_losses", fan_pictures(in_fan, is_lossy=True))
+    put("fan_picture", "fan_with_text", fan_pictures(with_text))
+    put("fan_picture", "fan_with_text_that_stays", fan_pictures(
+        *(lambda x, y, k=k: with_text(x, y) and (not in_fan(x, y) or (x + y) % 4 != k) for k in range(4))))
+    put("fan_picture", "refused_triangle_on_its_base", fan_pictures(lambda x, y: abs(x - 16) * 2 < y))
     put("jpeg", "fan.jpg", JPEG)
     shown = {"format": "sonar-picture-geometry/1", "range_m": [0.69, 3], "name": "a sonar", "frequency_hz": 3e6,
              "sound_speed_m_per_s": 1480, "db_span": 80}

@@ -129,8 +129,32 @@ TEST(FanGeometry, MasksThatAreNoFanHaveNoGeometry) {
     Mask noise(2 + static_cast<int>(random() % 60), 2 + static_cast<int>(random() % 60));
     for (std::uint8_t& pixel : noise.values()) pixel = random() % 3 == 0 ? 1 : 0;
     if (const auto found = FindFanGeometry(noise)) {
-      EXPECT_GT(found->radius_max_px, found->radius_min_px);
-      EXPECT_TRUE(std::isfinite(found->apex_x_px) && std::isfinite(found->apex_y_px));
+      EXPECT_NO_THROW(found->Validate("noise"));
+    }
+  }
+}
+
+// Quadrilaterals: the fit of an arc to a straight edge may give any radius. Whatever is found is valid.
+TEST(FanGeometry, StraightEdgesGiveAValidGeometryOrNone) {
+  constexpr int kSide = 300;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> uniform;
+  for (int draw = 0; draw < 100; ++draw) {
+    const double bottom = kSide * uniform(random);  // the sides meet here
+    const double left = uniform(random);            // columns a row
+    const double right = uniform(random);
+    const double top = kSide * uniform(random);
+    const double slope = 2.0 * uniform(random) - 1.0;
+    Mask lit(kSide, kSide);
+    for (int row = 0; row < kSide; ++row) {
+      for (int col = 0; col < kSide; ++col) {
+        const double ahead = kSide - row;
+        const double aside = col - bottom;
+        if (aside > -left * ahead && aside < right * ahead && ahead < top + slope * aside) lit(row, col) = 1;
+      }
+    }
+    if (const auto found = FindFanGeometry(lit)) {
+      EXPECT_NO_THROW(found->Validate("quadrilateral")) << draw;
     }
   }
 }
