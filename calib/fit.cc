@@ -455,8 +455,7 @@ class Fitter {
     if (!acoustic) {
       report_.gauge.emplace_back(
           "A, C and E of every material have a prior about the paper's curve 70 dB above db_min at 1 m, 20 "
-          "dB "
-          "wide; B, D and F about the paper's values, a factor of e, 1 and a factor of e wide; other free "
+          "dB wide; B, D and F about the paper's values, a factor of e, 1 and a factor of e wide; other free "
           "parameters about the value given, one surprising step wide; a named material (--material) or a "
           "configuration (--config) may give others");
     }

@@ -44,8 +44,7 @@ std::string CurvesLevelText(const FitReport& report) {
   if (sigma_db) {
     return fmt::format(
         "Backscattering strength S_b per unit area, absolute: a standard target gave source level plus gain "
-        "as "
-        "{:.2f} +- {:.2f} dB, an error that the bands do not contain",
+        "as {:.2f} +- {:.2f} dB, an error that the bands do not contain",
         level_db, *sigma_db);
   }
   return fmt::format(

@@ -177,10 +177,8 @@ cli::ExitStatus RunGallery(const GalleryOptions& options) {
                  "No recording is shown, and no scene is a survey of a real place.");
   report.Paragraph(
       "A row is one place of the sonar. Depth: range along the rays of a pinhole camera with the sonar's "
-      "field "
-      "of view, near is bright, white is nothing within range. Fan: ahead is up, to scale. Polar: azimuth "
-      "from "
-      "left to right, range from top (nearest) to bottom.");
+      "field of view, near is bright, white is nothing within range. Fan: ahead is up, to scale. Polar: "
+      "azimuth from left to right, range from top (nearest) to bottom.");
 
   cli::RunOutput output(options.out, "gallery", options.common.force);
   std::vector<std::string> files;

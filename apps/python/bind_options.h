@@ -181,8 +181,7 @@ void BindOptions(pybind11::module_& module, const char* name, const char* doc) {
             return descriptions;
           },
           "All options in their order, each a dict: name, help, type, unit, default, by_default, min, max "
-          "and "
-          "text.")
+          "and text.")
       .def(
           "to_dict",
           [](const Options& self) {

@@ -204,8 +204,7 @@ void BindRecordingClass(py::module_& module) {
           },
           py::arg("sonar"),
           "This recording with another description of its sonar, such as the calibrated one; DataError if it "
-          "has "
-          "another number of\n"
+          "has another number of\n"
           "range bins or beams.")
       .def(
           "times_s",

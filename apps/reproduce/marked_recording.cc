@@ -191,8 +191,7 @@ class SurfaceMaker {
   static std::string LeanCaveat(double lean_deg, const std::string& table) {
     return fmt::format(
         "The lean of the strip, {:g} degrees, is the one of these by which the pings used are likeliest "
-        "(nats "
-        "per pixel): {}. Leaning the other way looks the same.",
+        "(nats per pixel): {}. Leaning the other way looks the same.",
         lean_deg, table);
   }
 

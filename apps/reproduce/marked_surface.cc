@@ -135,8 +135,7 @@ std::optional<std::string> LeanAtEnd(double lean_deg, double largest_tried_deg) 
   }
   if (lean_deg > 0.0) return std::nullopt;
   return "the strip leans by the least angle that was tried, 0 degrees: leaning the other way looks the "
-         "same, "
-         "but it may also be that no straight strip fits";
+         "same, but it may also be that no straight strip fits";
 }
 
 double StripRangeRatio(double lean_rad, double half_beam_rad, double elevation_rad) {

@@ -23,8 +23,7 @@ constexpr int kReadLimitS = 1;
 // Rights of the page in a browser: its own scripts and pictures, requests to this server, no frames.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src "
-    "'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 // Uses a provider, so that the library does not compress data for this machine.
 void Put(httplib::Response& response, int status, std::string body, const std::string& type) {

@@ -440,12 +440,10 @@ RecordingFit FitRecording(const RecordingSource& recording, const Scene& scene, 
         "curve, which a frame from another pose would show");
     report.unidentifiable_directions.emplace_back(
         "one frame alone: speckle cannot be told from receiver noise, which a second frame from the same "
-        "pose "
-        "would show");
+        "pose would show");
     report.unidentifiable_directions.emplace_back(
         "one frame alone: all figures are those of the fitted frame, which a model with more free values "
-        "always "
-        "describes better, because none is held out");
+        "always describes better, because none is held out");
   }
   std::vector<std::string> doubts = DoubtsAbout(result, options.config);
   const std::vector<std::string> worse = WorseFigures(result);

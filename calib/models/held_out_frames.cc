@@ -31,8 +31,7 @@ void CheckHeldOut(const RecordingSource& recording, const FrameSplit& split) {
     if (digest.empty() || same == used.end()) continue;
     throw DataError(
         "{}: the held-out frame {} is the same picture as frame {}, which is fitted, expected frames that "
-        "the fit "
-        "does not see; leave one of the two out",
+        "the fit does not see; leave one of the two out",
         recording.info().source, index, same->second);
   }
 }

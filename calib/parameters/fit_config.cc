@@ -114,8 +114,7 @@ void ForClosest(const std::map<std::string, Value>& values, const char* what,
     if (closest[i].contradicts) {
       throw DataError(
           "fit: '{}' and '{}' give different {} to {}, and neither names it more closely; expected one of "
-          "them, "
-          "or the name itself",
+          "them, or the name itself",
           *closest[i].pattern, *closest[i].contradicts, what, catalog[i].name);
     }
     if (closest[i].pattern) act(i, *closest[i].value);

@@ -44,10 +44,8 @@ void RefuseAnotherFan(const PictureFrames& pictures, const FanSearch& search, co
     names += (i == 0 ? "" : ", ") + pictures.name(others[i]);
   throw DataError(
       "{}: {} of the {} pictures looked at show another fan than the others ({}{}), expected one window of "
-      "range "
-      "for all: move the pictures of each window into a folder of their own; or, if these are dark at a "
-      "side, "
-      "give apex_px, radius_px and half_angle_deg in {}",
+      "range for all: move the pictures of each window into a folder of their own; or, if these are dark at "
+      "a side, give apex_px, radius_px and half_angle_deg in {}",
       path.string(), others.size(), looked_at.size(), names, others.size() > kMaxNamed ? ", ..." : "",
       GeometryFileOf(path).string());
 }
@@ -63,8 +61,7 @@ std::string DoubtOf(const FanVisibility& visible) {
   if (visible.min() >= kClear) return {};
   return fmt::format(
       "The outline of the fan is dark in places, so check its position: {:.0f} % of the left side, {:.0f} % "
-      "of "
-      "the right side and {:.0f} % of the far arc are lit.",
+      "of the right side and {:.0f} % of the far arc are lit.",
       100.0 * visible.left_side, 100.0 * visible.right_side, 100.0 * visible.far_arc);
 }
 

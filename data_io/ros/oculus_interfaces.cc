@@ -89,8 +89,7 @@ void CheckSizes(const OculusPing& ping, std::uint32_t step, std::size_t data_byt
   if (step != ping.row_bytes() || data_bytes != ping.row_bytes() * ping.ranges) {
     throw DataError(
         "{}: ping_data has {} bytes with {} bytes per row, expected the sonar's own message, or an image of "
-        "{} "
-        "rows of {} bytes",
+        "{} rows of {} bytes",
         where, data_bytes, step, ping.ranges, ping.row_bytes());
   }
 }

@@ -101,9 +101,7 @@ PictureSampler SamplerFor(const PictureGeometry& geometry, const RosPicture& pic
   if (!geometry.polar && !geometry.fan) {
     throw DataError(
         "{}: the picture's geometry has neither 'polar' nor the position of the fan, expected apex_px, "
-        "radius_px "
-        "and "
-        "half_angle_deg of 'fan'",
+        "radius_px and half_angle_deg of 'fan'",
         where);
   }
   return {geometry, picture.value.rows(), picture.value.cols(), where};

@@ -35,12 +35,9 @@ inline DisplayParameters<double> PaperDisplay(double source_level_db = kPaperSou
 // Text of the rule for reports.
 inline constexpr const char* kPaperDisplayRule =
     "The paper does not give dB_min, dB_max and the sizes of the range and azimuth errors. The rule here is "
-    "the "
-    "same everywhere: dB_min is 50 dB below the source level, dB_max is 3 dB above dB_min, and the errors "
-    "are "
-    "half a range bin and half a beam. The display is so narrow because the paper divides a pixel by all "
-    "rays "
-    "of its beam, of which few fall into one pixel.";
+    "the same everywhere: dB_min is 50 dB below the source level, dB_max is 3 dB above dB_min, and the "
+    "errors are half a range bin and half a beam. The display is so narrow because the paper divides a pixel "
+    "by all rays of its beam, of which few fall into one pixel.";
 
 // Values of the paper with this rule, for the sonar's range bin and beam width. Each material has the GSAB
 // values of Table 4 under its own name.
