@@ -246,7 +246,7 @@ std::optional<Arc> FitArc(std::vector<Point> points, const Point& apex) {
 bool IsLit(const Mask& lit, double x, double y) {
   // To the nearest pixel. Comparisons first: a number too large for an integer must not be converted.
   if (!(x > -0.5 && x < lit.cols() - 0.5 && y > -0.5 && y < lit.rows() - 0.5)) return false;
-  return lit(static_cast<int>(y + 0.5), static_cast<int>(x + 0.5)) != 0;
+  return lit(static_cast<int>(std::lround(y)), static_cast<int>(std::lround(x))) != 0;
 }
 
 // Pixels of a mask along a ray from the apex, by their distance from it.
