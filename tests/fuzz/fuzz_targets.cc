@@ -156,7 +156,9 @@ void FanPicture(std::string_view bytes) {
   const auto byte = [&](std::size_t i) {
     return static_cast<unsigned char>(i < bytes.size() ? bytes[i] : 0);
   };
-  std::vector<Mask> masks((byte(0) & kFour) != 0 ? 4 : 1, Mask(1 + byte(0) % 32, 1 + byte(1) % 32));
+  const int rows = 1 + byte(0) % 32;
+  const int cols = 1 + byte(1) % 32;
+  std::vector<Mask> masks((byte(0) & kFour) != 0 ? 4 : 1, Mask(rows, cols));
   std::size_t bit = 16;
   for (Mask& mask : masks) {
     for (std::uint8_t& pixel : mask.values()) {
@@ -166,7 +168,7 @@ void FanPicture(std::string_view bytes) {
   }
   const MaskPictures pictures(std::move(masks), (byte(0) & kLossy) != 0);
   const data_io::FanSearch search(pictures);
-  if (!search.fan()) throw DataError("no fan in {} x {} pixels", 1 + byte(0) % 32, 1 + byte(1) % 32);
+  if (!search.fan()) throw DataError("no fan in {} x {} pixels", rows, cols);
   for (int index = 0; index < pictures.count(); ++index)
     data_io::ShowsAnotherFan(search.LitPixels(index), *search.fan());
 }

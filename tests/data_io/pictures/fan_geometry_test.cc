@@ -139,6 +139,7 @@ TEST(FanGeometry, StraightEdgesGiveAValidGeometryOrNone) {
   constexpr int kSide = 300;
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform;
+  int fans = 0;
   for (int draw = 0; draw < 100; ++draw) {
     const double bottom = kSide * uniform(random);  // the sides meet here
     const double left = uniform(random);            // columns a row
@@ -155,8 +156,10 @@ TEST(FanGeometry, StraightEdgesGiveAValidGeometryOrNone) {
     }
     if (const auto found = FindFanGeometry(lit)) {
       EXPECT_NO_THROW(found->Validate("quadrilateral")) << draw;
+      ++fans;
     }
   }
+  EXPECT_GT(fans, 0);
 }
 
 PolarAxes TwoBeams() {
